@@ -1,0 +1,104 @@
+"""Simulation of the dynamic interaction between railway pantographs and overhead contact lines.
+
+The public names below are imported when they are first used, so that ``import tautwire`` costs
+next to nothing.
+
+Examples
+--------
+>>> import tautwire as tw
+>>> case = tw.load_case("ac-simple")
+>>> case.line.spans
+17
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tautwire.analyses.contact_loss import contact_loss
+    from tautwire.analyses.dynamics import ConstantStep, iterate, simulate
+    from tautwire.analyses.elasticity import elasticity
+    from tautwire.analyses.pipeline import run
+    from tautwire.analyses.shape import find_shape
+    from tautwire.analyses.statistics import contact_statistics
+    from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
+    from tautwire.inputs.load import load_case
+    from tautwire.model.build import Model, build
+    from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.report.page import write_report
+    from tautwire.results.equilibrium import Equilibrium
+    from tautwire.results.run import Run
+    from tautwire.results.storage import load_run
+    from tautwire.signals.filters import Butterworth, SharpLowpass
+    from tautwire.specs.case import Case
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "HHT",
+    "Butterworth",
+    "Case",
+    "ConstantStep",
+    "ConvergenceError",
+    "Equilibrium",
+    "InputError",
+    "Model",
+    "ModelError",
+    "Newmark",
+    "Run",
+    "SharpLowpass",
+    "TautwireError",
+    "__version__",
+    "build",
+    "contact_loss",
+    "contact_statistics",
+    "elasticity",
+    "find_shape",
+    "iterate",
+    "load_case",
+    "load_run",
+    "run",
+    "simulate",
+    "write_report",
+]
+
+_HOMES = {
+    "Butterworth": "tautwire.signals.filters",
+    "Case": "tautwire.specs.case",
+    "ConstantStep": "tautwire.analyses.dynamics",
+    "ConvergenceError": "tautwire.errors",
+    "Equilibrium": "tautwire.results.equilibrium",
+    "HHT": "tautwire.numerics.newmark",
+    "InputError": "tautwire.errors",
+    "Model": "tautwire.model.build",
+    "ModelError": "tautwire.errors",
+    "Newmark": "tautwire.numerics.newmark",
+    "Run": "tautwire.results.run",
+    "SharpLowpass": "tautwire.signals.filters",
+    "TautwireError": "tautwire.errors",
+    "build": "tautwire.model.build",
+    "contact_loss": "tautwire.analyses.contact_loss",
+    "contact_statistics": "tautwire.analyses.statistics",
+    "elasticity": "tautwire.analyses.elasticity",
+    "find_shape": "tautwire.analyses.shape",
+    "iterate": "tautwire.analyses.dynamics",
+    "load_case": "tautwire.inputs.load",
+    "load_run": "tautwire.results.storage",
+    "run": "tautwire.analyses.pipeline",
+    "simulate": "tautwire.analyses.dynamics",
+    "write_report": "tautwire.report.page",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, loaded or not."""
+    return sorted(__all__)

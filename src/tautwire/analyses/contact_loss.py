@@ -1,0 +1,73 @@
+"""Contact loss of a run: how often, how long, where."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautwire.analyses.section import analysed_section, time_in_section
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.run import PantographRecord, Run
+from tautwire.results.statistics import ContactLoss, LossEvent, Section
+from tautwire.signals.losses import clip_intervals, loss_intervals
+
+
+def contact_loss(run: Run, section: tuple[int, int] | None = None) -> tuple[ContactLoss, ...]:
+    """Find the contact losses of every pantograph inside the analysed section.
+
+    Losses are read from the unfiltered gap between wire and head; separation and re-contact are
+    located between samples by a straight line (see :func:`tautwire.signals.losses.loss_intervals`).
+    A loss that crosses a limit of the section counts with its part inside.
+
+    Parameters
+    ----------
+    run : Run
+    section : (first, last) span, optional
+        1-based, both included; by default that of the case.
+
+    Returns
+    -------
+    tuple of ContactLoss
+        One per pantograph, in their order.
+    """
+    part = analysed_section(run, section)
+    return tuple(pantograph_loss(run, record, part) for record in run.pantographs)
+
+
+def pantograph_loss(run: Run, record: PantographRecord, section: Section) -> ContactLoss:
+    """Find the contact losses of one pantograph inside a section.
+
+    Parameters
+    ----------
+    run : Run
+    record : PantographRecord
+    section : Section
+
+    Returns
+    -------
+    ContactLoss
+    """
+    window = time_in_section(run, record, section)
+    if window is None:
+        return ContactLoss(record.name, 0.0, ())
+    time, position = run.time[record.active], record.position[record.active]
+    intervals = loss_intervals(time, record.gap[record.active])
+    start, end, is_cut = clip_intervals(*intervals, *window)
+    is_cut |= (start <= time[0]) | (end >= time[-1])
+    places = np.interp(start, time, position)
+    events = tuple(
+        LossEvent(float(t), float(u - t), float(x), nearest_place(run.equilibrium, x), bool(cut))
+        for t, u, x, cut in zip(start, end, places, is_cut, strict=True)
+    )
+    return ContactLoss(record.name, window[1] - window[0], events)
+
+
+def nearest_place(shape: Equilibrium, position: float) -> str:
+    """Name the support or dropper nearest to a position [m], for example ``"support 8"``."""
+    support = int(np.argmin(np.abs(shape.support_x - position)))
+    name = f"support {support + 1}"
+    if shape.dropper_x.size == 0:
+        return name
+    dropper = int(np.argmin(np.abs(shape.dropper_x - position)))
+    if abs(shape.support_x[support] - position) <= abs(shape.dropper_x[dropper] - position):
+        return name
+    return f"dropper {shape.dropper_number[dropper]} of span {shape.dropper_span[dropper]}"

@@ -1,0 +1,1 @@
+"""Limits, checks, wave quantities, and comparison with measurements and reference ranges."""

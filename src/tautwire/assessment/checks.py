@@ -1,0 +1,167 @@
+"""Checks of a passage against limits of standards.
+
+A limit that nobody compared with the standard's text never says "passed": `passed` is None then,
+and the report writes "unverified". Whether the number lies within the limit as remembered is told
+apart, by `within`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from tautwire.assessment.limits import Limit, Limits, known_system, load_limits
+from tautwire.assessment.wave_quantities import wave_speed
+from tautwire.results.statistics import PantographStatistics, RunStatistics
+from tautwire.specs.case import Case
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number against one limit.
+
+    Attributes
+    ----------
+    name : str
+    pantograph : str or None
+        None for a check of the line or of the whole run.
+    value, limit : float
+        In `unit`.
+    unit : str
+        SI unit, ``"%"`` or ``"1"``.
+    sense : str
+        ``"maximum"``: the value may not exceed the limit; ``"minimum"``: not fall below it.
+    within : bool or None
+        Whether the value lies within the limit as it stands in the file; None without a value.
+    passed : bool or None
+        The same, but None as long as the limit is not verified.
+    standard, edition, clause : str
+        Clause is None where it is not known.
+    verified : bool
+    confidence, note : str
+    """
+
+    name: str
+    pantograph: str | None
+    value: float
+    limit: float
+    unit: str
+    sense: str
+    within: bool | None
+    passed: bool | None
+    standard: str
+    edition: str
+    clause: str | None
+    verified: bool
+    confidence: str
+    note: str
+
+    @property
+    def verdict(self) -> str:
+        """``"passed"``, ``"failed"``, ``"unverified"`` or ``"no value"``."""
+        if self.within is None:
+            return "no value"
+        if self.passed is None:
+            return "unverified"
+        return "passed" if self.passed else "failed"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the check as plain data for JSON, None in place of NaN."""
+        content = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        for name in ("value", "limit"):
+            if not math.isfinite(content[name]):
+                content[name] = None
+        return {**content, "verdict": self.verdict}
+
+
+def checks(
+    statistics: RunStatistics,
+    case: Case,
+    *,
+    system: str = "ac",
+    free_uplift: float | None = None,
+    uplift_stop: bool = False,
+    limits: Limits | None = None,
+) -> tuple[Check, ...]:
+    """Check the statistics of a run against the limits that apply to its speed and system.
+
+    Forces are those of the headline filter. The free space for uplift is a property of the
+    support that a case does not hold; without it the uplift is not checked.
+
+    Parameters
+    ----------
+    statistics : RunStatistics
+    case : Case
+    system : {"ac", "dc-1.5kv", "dc-3kv"}
+        Supply system, which decides between curves; a case does not say it.
+    free_uplift : float m, optional
+        Free space for uplift at the supports.
+    uplift_stop : bool
+        Whether the steady arms have an uplift stop.
+    limits : Limits, optional
+        By default those of the package.
+
+    Returns
+    -------
+    tuple of Check
+
+    Raises
+    ------
+    InputError
+        When the supply system is unknown.
+    """
+    supply = known_system(system)
+    speed = case.scenario.speed
+    rows: list[Check] = []
+    for limit in (limits or load_limits()).limits:
+        if not limit.applies.includes(supply, speed, uplift_stop=uplift_stop):
+            continue
+        for pantograph, value, mean in _values(limit.quantity, statistics, case):
+            bound = limit.value(speed, mean, free_uplift)
+            if bound is not None:
+                rows.append(_check(limit, pantograph, value, bound))
+    return tuple(rows)
+
+
+def _values(
+    quantity: str, statistics: RunStatistics, case: Case
+) -> Iterable[tuple[str | None, float, float]]:
+    """Yield pantograph (None: the whole run), value and mean force for a limited quantity."""
+    if quantity == "uplift":
+        yield None, statistics.uplift.maximum, math.nan
+    elif quantity == "wave_speed_ratio":
+        wire = case.wires.contact
+        yield None, case.scenario.speed / wave_speed(wire.tension, wire.mass), math.nan
+    else:
+        for entry in statistics.pantographs:
+            yield entry.name, _pantograph_value(quantity, entry), entry.headline.mean
+
+
+def _pantograph_value(quantity: str, entry: PantographStatistics) -> float:
+    if quantity == "loss_percent":
+        return entry.contact_loss.percent_over()
+    return float(getattr(entry.headline, quantity))
+
+
+def _check(limit: Limit, pantograph: str | None, value: float, bound: float) -> Check:
+    within: bool | None = None
+    if math.isfinite(value) and math.isfinite(bound):
+        within = value <= bound if limit.sense == "maximum" else value >= bound
+    return Check(
+        name=limit.name,
+        pantograph=pantograph,
+        value=value,
+        limit=bound,
+        unit=limit.unit,
+        sense=limit.sense,
+        within=within,
+        passed=within if limit.verified else None,
+        standard=limit.standard,
+        edition=limit.edition,
+        clause=limit.clause,
+        verified=limit.verified,
+        confidence=limit.confidence,
+        note=limit.note,
+    )

@@ -1,0 +1,78 @@
+"""Reading of the data files that hold limits and published results."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from tautwire.errors import InputError
+
+Entry = TypeVar("Entry", bound=BaseModel)
+
+MAX_SIZE = 1_000_000
+"""Largest data file that is read [bytes]."""
+
+
+class Record(BaseModel):
+    """Base of what stands in a data file: immutable, unknown keys refused."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, validate_by_name=True
+    )
+
+
+def read_library(name: str, model: type[Entry]) -> Entry:
+    """Read a data file of the package.
+
+    Parameters
+    ----------
+    name : str
+        File name inside the library.
+    model : type
+        What the file must hold.
+    """
+    text = files("tautwire").joinpath("library", name).read_text(encoding="utf-8")
+    return _parse(text, name, model)
+
+
+def read_file(path: str | Path, model: type[Entry]) -> Entry:
+    """Read a data file of the user.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or does not hold what it should; every fault is named.
+    """
+    source = Path(path)
+    if not source.is_file():
+        raise InputError(f"{source} is not a file; give the path of a YAML file")
+    if source.stat().st_size > MAX_SIZE:
+        raise InputError(f"{source} is larger than {MAX_SIZE} bytes; a data file is far smaller")
+    try:
+        text = source.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{source} cannot be read as UTF-8 text: {error}") from None
+    return _parse(text, str(source), model)
+
+
+def _parse(text: str, name: str, model: type[Entry]) -> Entry:
+    import yaml
+
+    try:
+        content: Any = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise InputError(f"{name} is not valid YAML: {error}") from None
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        raise InputError([_sentence(name, fault) for fault in error.errors()]) from None
+
+
+def _sentence(name: str, fault: Any) -> str:
+    path = ""
+    for step in fault["loc"]:
+        path += f"[{step + 1}]" if isinstance(step, int) else f".{step}"
+    return f"{name}: {path.lstrip('.') or 'the file'}: {fault['msg']}"

@@ -1,0 +1,230 @@
+"""Closed-form quantities of waves on the wires, for a line that has not been computed yet.
+
+Symbols: T tension [N], m mass per length [kg/m], v speed [m/s], c wave speed of the contact wire.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from tautwire.specs.case import Case
+
+
+def wave_speed(tension: float, mass: float) -> float:
+    """Return the wave speed ``sqrt(T / m)`` of a string [m/s].
+
+    Parameters
+    ----------
+    tension : float N
+    mass : float kg/m
+    """
+    return math.sqrt(tension / mass)
+
+
+def doppler_factor(speed: float, wave: float) -> float:
+    """Return the Doppler factor ``(c - v) / (c + v)``.
+
+    Parameters
+    ----------
+    speed, wave : float m/s
+        Speed of the pantograph and of waves on the contact wire.
+    """
+    return (wave - speed) / (wave + speed)
+
+
+def reflection_coefficient(
+    contact_tension: float, contact_mass: float, messenger_tension: float, messenger_mass: float
+) -> float:
+    """Return the share of a wave that a dropper reflects.
+
+    ``r = sqrt(T_m m_m) / (sqrt(T_m m_m) + sqrt(T_c m_c))``
+
+    Parameters
+    ----------
+    contact_tension, messenger_tension : float N
+    contact_mass, messenger_mass : float kg/m
+    """
+    messenger = math.sqrt(messenger_tension * messenger_mass)
+    return messenger / (messenger + math.sqrt(contact_tension * contact_mass))
+
+
+def amplification_factor(reflection: float, doppler: float) -> float:
+    """Return the growth ``r / alpha`` of a wave between pantograph and dropper.
+
+    Infinite at the wave speed.
+
+    Parameters
+    ----------
+    reflection, doppler : float
+    """
+    return reflection / doppler if doppler > 0.0 else math.inf
+
+
+def midspan_elasticity(
+    span_length: float, contact_tension: float, messenger_tension: float, factor: float = 4.0
+) -> float:
+    """Estimate the elasticity at mid-span, ``L / (k (T_c + T_m))`` [m/N].
+
+    Parameters
+    ----------
+    span_length : float m
+    contact_tension, messenger_tension : float N
+    factor : float
+        4.0 without stitch wire, 3.5 with (translation of a textbook, one secondary source).
+    """
+    return span_length / (factor * (contact_tension + messenger_tension))
+
+
+def passing_frequency(speed: float, length: float) -> float:
+    """Return how often something spaced by `length` [m] is passed at `speed` [m/s], in Hz."""
+    return speed / length
+
+
+@dataclass(frozen=True)
+class WaveQuantity:
+    """One line of the wave-quantity sheet.
+
+    Attributes
+    ----------
+    name : str
+    value : float
+        In `unit`.
+    unit : str
+        SI unit; ``"1"`` for a ratio.
+    formula : str
+    """
+
+    name: str
+    value: float
+    unit: str
+    formula: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the line as plain data for JSON."""
+        value = self.value if math.isfinite(self.value) else None
+        return {"name": self.name, "value": value, "unit": self.unit, "formula": self.formula}
+
+
+def wave_quantities(case: Case) -> tuple[WaveQuantity, ...]:
+    """Evaluate the wave-quantity sheet of a case; nothing is simulated.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    tuple of WaveQuantity
+        Wave speeds, speed ratio, Doppler, reflection and amplification factors, mid-span
+        elasticity, resonance on the contact spring, passing frequencies.
+    """
+    return (*_wave_rows(case), *_static_rows(case), *_passing_rows(case))
+
+
+def _wave_rows(case: Case) -> list[WaveQuantity]:
+    contact, messenger, speed = case.wires.contact, case.wires.messenger, case.scenario.speed
+    wave = wave_speed(contact.tension, contact.mass)
+    reflection = reflection_coefficient(
+        contact.tension, contact.mass, messenger.tension, messenger.mass
+    )
+    doppler = doppler_factor(speed, wave)
+    messenger_wave = wave_speed(messenger.tension, messenger.mass)
+    amplification = amplification_factor(reflection, doppler)
+    return [
+        WaveQuantity("wave speed of the contact wire", wave, "m/s", "c = sqrt(T/m)"),
+        WaveQuantity("wave speed of the messenger wire", messenger_wave, "m/s", "sqrt(T/m)"),
+        WaveQuantity("0.7 of the wave speed", 0.7 * wave, "m/s", "0.7 c"),
+        WaveQuantity("speed over wave speed", speed / wave, "1", "v/c"),
+        WaveQuantity("Doppler factor", doppler, "1", "(c - v)/(c + v)"),
+        WaveQuantity(
+            "reflection coefficient of a dropper",
+            reflection,
+            "1",
+            "sqrt(T_m m_m)/(sqrt(T_m m_m) + sqrt(T_c m_c))",
+        ),
+        WaveQuantity("amplification factor", amplification, "1", "reflection / Doppler"),
+    ]
+
+
+def _static_rows(case: Case) -> list[WaveQuantity]:
+    wires = case.wires
+    longest = max(case.line.span_lengths())
+    rows = [
+        WaveQuantity(
+            "mid-span elasticity, estimate",
+            midspan_elasticity(longest, wires.contact.tension, wires.messenger.tension),
+            "m/N",
+            "L/(4 (T_c + T_m)), longest span",
+        )
+    ]
+    for pantograph in case.pantographs:
+        head = pantograph.stages[0]
+        stiffness = case.settings.contact_stiffness + head.stiffness
+        rows.append(
+            WaveQuantity(
+                f"head of {pantograph.name} on the contact spring",
+                math.sqrt(stiffness / head.mass) / (2.0 * math.pi),
+                "Hz",
+                "sqrt((k_contact + k_head)/m_head)/(2 pi), wire and frame held",
+            )
+        )
+    return rows
+
+
+def _passing_rows(case: Case) -> list[WaveQuantity]:
+    speed = case.scenario.speed
+    rows = []
+    for name, length in passing_lengths(case).items():
+        frequency = passing_frequency(speed, length)
+        rows.append(WaveQuantity(f"passing of the {name}", frequency, "Hz", f"v/{length:g} m"))
+    element = _shortest_element(case)
+    rows.append(
+        WaveQuantity(
+            "passing of the shortest element (numerical)",
+            passing_frequency(speed, element),
+            "Hz",
+            f"v/{element:g} m",
+        )
+    )
+    return rows
+
+
+def passing_lengths(case: Case) -> dict[str, float]:
+    """Return the lengths that recur along the line, by name, for spectra and their lines.
+
+    Where spans or intervals differ, the span in the middle of the analysed section is taken.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    dict of str to float m
+        Keys ``span``, ``dropper interval`` (the most frequent one), ``support-dropper interval``.
+    """
+    spans = case.line.span_lengths()
+    first, last = case.resolved_section()
+    middle = (first + last) // 2 - 1
+    droppers = case.droppers.positions_by_span(len(spans))[middle]
+    lengths = {"span": spans[middle]}
+    intervals = [round(b - a, 6) for a, b in pairwise(droppers)]
+    if intervals:
+        lengths["dropper interval"] = max(intervals, key=lambda d: (intervals.count(d), d))
+    if droppers and droppers[0] > 0.0:
+        lengths["support-dropper interval"] = droppers[0]
+    return lengths
+
+
+def _shortest_element(case: Case) -> float:
+    """Return the shortest wire element of the mesh [m]: shortest interval / (nodes - 1)."""
+    spans = case.line.span_lengths()
+    shortest = min(spans)
+    for length, droppers in zip(spans, case.droppers.positions_by_span(len(spans)), strict=True):
+        stations = [0.0, *droppers, length]
+        gaps = (b - a for a, b in pairwise(stations))
+        shortest = min(shortest, *(gap for gap in gaps if gap > 1e-9))
+    return shortest / (case.settings.nodes_between_droppers - 1)

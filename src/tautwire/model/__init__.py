@@ -1,0 +1,1 @@
+"""From words to numbers: the only place where specs become arrays."""

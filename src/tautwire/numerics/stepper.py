@@ -1,0 +1,173 @@
+"""What a time integration is given and what it gives back; shared by all backends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.newmark import Integrator
+from tautwire.numerics.pantograph import PantographChain
+from tautwire.status import Status
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class RoofMotion:
+    """Prescribed motion of the roof, linear between the given instants, constant outside.
+
+    Attributes
+    ----------
+    time : (n,) s
+    height : (n,) m
+    """
+
+    time: Array
+    height: Array
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Return height [m] and velocity [m/s] of the roof."""
+        height = float(np.interp(time, self.time, self.height))
+        segment = int(np.searchsorted(self.time, time, side="right")) - 1
+        if not 0 <= segment < len(self.time) - 1:
+            return height, 0.0
+        rise = self.height[segment + 1] - self.height[segment]
+        return height, float(rise / (self.time[segment + 1] - self.time[segment]))
+
+
+@dataclass(frozen=True, eq=False)
+class PantographInput:
+    """One pantograph on its way along the line.
+
+    Attributes
+    ----------
+    chain : PantographChain
+    start_time : float s
+        When it enters the line, at rest and just touching.
+    start_x : float m
+        Where it enters.
+    start_height : float m
+        Height of the head at the start; its base spring is slack there.
+    velocity : float m/s
+        Along x; negative in running direction -x.
+    uplift_force : float N
+        Reached after ``ramp`` seconds, along half a cosine.
+    ramp : float s
+    roof : RoofMotion or None
+    """
+
+    chain: PantographChain
+    start_time: float
+    start_x: float
+    start_height: float
+    velocity: float
+    uplift_force: float
+    ramp: float
+    roof: RoofMotion | None = None
+
+    def position(self, time: float) -> float:
+        """Longitudinal position [m]."""
+        return self.start_x + self.velocity * (time - self.start_time)
+
+    def external(self, time: float) -> Array:
+        """Return uplift force and roof motion as forces on the stages, ``(n_stage,)`` [N]."""
+        since = time - self.start_time
+        share = 1.0
+        if since < self.ramp:
+            share = 0.5 - 0.5 * np.cos(np.pi * max(since, 0.0) / self.ramp)
+        load = np.zeros(self.chain.stage_count)
+        load[self.chain.force_stage] = share * self.uplift_force
+        if self.roof is not None:
+            height, velocity = self.roof.at(since)
+            load[-1] += self.chain.stiffness[-1] * height + self.chain.damping[-1] * velocity
+        return load
+
+
+@dataclass(frozen=True)
+class StepOptions:
+    """How a time integration works.
+
+    Attributes
+    ----------
+    integrator : Newmark or HHT
+    time_step : float s
+    contact_stiffness : float N/m
+    tolerance : float m
+        Largest increment of a coordinate accepted as converged.
+    iterations : int
+        Most iterations per step.
+    full_newton : bool
+        Tangent and factor at every iteration (the check of the fast path).
+    """
+
+    integrator: Integrator
+    time_step: float
+    contact_stiffness: float
+    tolerance: float = 1e-7
+    iterations: int = 30
+    full_newton: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class StepBlock:
+    """Histories of a number of completed steps.
+
+    Attributes
+    ----------
+    time : (n_step,) s
+    contact_force : (n_step, n_pantograph) N
+    gap : (n_step, n_pantograph) m
+        Wire above head; negative in contact; NaN before the pantograph has entered.
+    wire_height : (n_step, n_pantograph) m
+    stages : (n_step, n_stage_total) m
+        Displacements of the stages from their start, pantograph by pantograph, head first.
+    dropper_force : (n_step, n_dropper) N
+    observed : (n_step, n_observed)
+        Coordinates of the observed degrees of freedom.
+    status : Status
+        ``RUNNING`` while everything is well; otherwise the step after the last one failed.
+    """
+
+    time: Array
+    contact_force: Array
+    gap: Array
+    wire_height: Array
+    stages: Array
+    dropper_force: Array
+    observed: Array
+    status: Status
+
+
+@dataclass
+class StepCounters:
+    """Work done so far."""
+
+    steps: int = 0
+    iterations: int = 0
+    refactorisations: int = 0
+    full_newton_steps: int = 0
+    notes: dict[str, Any] = field(default_factory=dict)
+
+
+class Stepper(Protocol):
+    """A time integration under way."""
+
+    counters: StepCounters
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        ...
+
+    @property
+    def coordinates(self) -> Array:
+        """Nodal coordinates at the time reached, ``(n_dof,)``."""
+        ...
+
+    def advance(self, steps: int) -> StepBlock:
+        """Take up to ``steps`` steps; fewer when one fails (see the block's status)."""
+        ...

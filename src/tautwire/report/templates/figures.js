@@ -1,0 +1,56 @@
+"use strict";
+/* Draws the figures when they come into view, and all of them before printing. */
+(() => {
+  const settings = {
+    displaylogo: false,
+    responsive: true,
+    modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"],
+    toImageButtonOptions: { format: "svg", filename: "tautwire-figure" },
+  };
+
+  const specification = (chart) =>
+    JSON.parse(document.getElementById(`${chart.id}-data`).textContent);
+
+  const draw = (chart) => {
+    if (chart.dataset.drawn) return;
+    chart.dataset.drawn = "yes";
+    const { data, layout } = specification(chart);
+    Plotly.newPlot(chart, data, layout, settings);
+  };
+
+  const charts = [...document.querySelectorAll(".chart")];
+  const nearby = new IntersectionObserver(
+    (entries) => entries.filter((e) => e.isIntersecting).forEach((e) => draw(e.target)),
+    { rootMargin: "800px 0px" },
+  );
+  charts.forEach((chart) => nearby.observe(chart));
+  window.addEventListener("beforeprint", () => {
+    charts.forEach(draw);
+    charts.forEach((chart) => Plotly.Plots.resize(chart));
+  });
+
+  document.querySelectorAll("button[data-range]").forEach((button) => {
+    button.addEventListener("click", () => {
+      const chart = document.getElementById(button.dataset.chart);
+      draw(chart);
+      const change = {};
+      const range = JSON.parse(button.dataset.range);
+      Object.keys(chart.layout)
+        .filter((key) => /^xaxis\d*$/.test(key))
+        .forEach((key) => { change[`${key}.range`] = range.slice(); });
+      Plotly.relayout(chart, change);
+    });
+  });
+
+  const links = new Map(
+    [...document.querySelectorAll(".contents a")].map((a) => [a.hash.slice(1), a]),
+  );
+  const sections = [...document.querySelectorAll("main section")];
+  const mark = () => {
+    const passed = sections.filter((s) => s.getBoundingClientRect().top < 140);
+    const here = passed.length ? passed[passed.length - 1] : sections[0];
+    links.forEach((link, id) => link.classList.toggle("here", here && id === here.id));
+  };
+  document.addEventListener("scroll", mark, { passive: true });
+  mark();
+})();

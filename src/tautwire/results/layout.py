@@ -1,0 +1,210 @@
+"""Layout of result files: dimensions, units and meaning of every variable.
+
+Data only; :mod:`tautwire.results.storage` writes and reads by it. A change that an older program
+would misread raises :data:`FORMAT_VERSION`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FORMAT = "tautwire results"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One variable of a file.
+
+    Attributes
+    ----------
+    name : str
+        Name in the file.
+    source : str
+        Attribute of the result object.
+    dimensions : tuple of str
+    units : str
+        ``"1"`` for a number without unit.
+    text : str
+        What it is (``long_name``).
+    """
+
+    name: str
+    source: str
+    dimensions: tuple[str, ...]
+    units: str
+    text: str
+
+
+RUN = (
+    Entry(
+        "support_uplift",
+        "support_uplift",
+        ("time", "support"),
+        "m",
+        "vertical displacement of the contact wire at the support from the static state",
+    ),
+    Entry(
+        "dropper_force",
+        "dropper_force",
+        ("time", "dropper"),
+        "N",
+        "axial dropper force, tension positive, zero while slack",
+    ),
+)
+
+PANTOGRAPH = (
+    Entry("position", "position", ("pantograph", "time"), "m", "position along the track"),
+    Entry(
+        "contact_force",
+        "contact_force",
+        ("pantograph", "time"),
+        "N",
+        "unfiltered contact force, positive when the pantograph lifts the wire",
+    ),
+    Entry(
+        "gap",
+        "gap",
+        ("pantograph", "time"),
+        "m",
+        "height of the contact wire above the head, negative in contact",
+    ),
+    Entry(
+        "wire_height",
+        "wire_height",
+        ("pantograph", "time"),
+        "m",
+        "height of the contact wire at the pantograph",
+    ),
+    Entry(
+        "stage_height",
+        "stage_heights",
+        ("pantograph", "time", "stage"),
+        "m",
+        "displacement of the pantograph stage from its start, head first",
+    ),
+    Entry(
+        "active",
+        "active",
+        ("pantograph", "time"),
+        "1",
+        "1 once the pantograph has entered the line, 0 before",
+    ),
+)
+
+PANTOGRAPH_SCALARS = (
+    Entry("uplift_force", "uplift_force", ("pantograph",), "N", "applied uplift force"),
+    Entry(
+        "target_mean",
+        "target_mean",
+        ("pantograph",),
+        "N",
+        "mean contact force the uplift force was tuned to, NaN when it was prescribed",
+    ),
+)
+
+SNAPSHOTS = (
+    Entry("time", "time", ("time",), "s", "time since the start"),
+    Entry("x", "x", ("x",), "m", "position along the track"),
+    Entry("contact_z", "contact_z", ("time", "x"), "m", "height of the contact wire"),
+    Entry("messenger_z", "messenger_z", ("time", "x"), "m", "height of the messenger wire"),
+)
+
+ELASTICITY = (
+    Entry("span", "span", ("point",), "1", "number of the span, from 1"),
+    Entry("kind", "kind", ("point",), "1", "support, dropper or middle (between two)"),
+    Entry("index", "index", ("point",), "1", "number of the dropper (a middle: on its left)"),
+    Entry("x", "x", ("point",), "m", "position along the track"),
+    Entry("elasticity", "elasticity", ("point",), "m N-1", "static uplift per vertical force"),
+    Entry("force", "force", (), "N", "vertical force at which it was evaluated"),
+)
+
+EQUILIBRIUM = (
+    Entry("position", "position", ("dof",), "m", "nodal coordinates and slopes, node by node"),
+    Entry(
+        "cable_length", "cable_lengths", ("element",), "m", "unstrained length of a wire element"
+    ),
+    Entry("station_x", "station_x", ("station",), "m", "position of the stations"),
+    Entry("dropper_span", "dropper_span", ("dropper",), "1", "span of the dropper, from 1"),
+    Entry(
+        "dropper_number",
+        "dropper_number",
+        ("dropper",),
+        "1",
+        "number of the dropper in its span, from 1",
+    ),
+    Entry("dropper_x", "dropper_x", ("dropper",), "m", "position of the dropper"),
+    Entry(
+        "dropper_length_unstrained",
+        "dropper_lengths_unstrained",
+        ("dropper",),
+        "m",
+        "unstrained dropper length, clamp to clamp",
+    ),
+    Entry(
+        "dropper_length",
+        "dropper_lengths",
+        ("dropper",),
+        "m",
+        "stretched dropper length, clamp to clamp",
+    ),
+    Entry(
+        "dropper_force",
+        "dropper_forces",
+        ("dropper",),
+        "N",
+        "static dropper force, tension positive",
+    ),
+    Entry(
+        "dropper_height",
+        "dropper_heights",
+        ("dropper",),
+        "m",
+        "height of the contact wire at the dropper",
+    ),
+    Entry("support_x", "support_x", ("support",), "m", "position of the support"),
+    Entry(
+        "support_height",
+        "support_heights",
+        ("support",),
+        "m",
+        "height of the contact wire at the support",
+    ),
+    Entry(
+        "arm_support", "arm_supports", ("arm",), "1", "number of the support with the arm, from 1"
+    ),
+    Entry("arm_force", "arm_forces", ("arm",), "N", "steady-arm force, tension positive"),
+    Entry(
+        "arm_angle",
+        "arm_angles",
+        ("arm",),
+        "rad",
+        "inclination of the arm, positive when the far end is above the wire",
+    ),
+    Entry("arm_end", "arm_ends", ("arm", "component"), "m", "far end of the arm: x, y, z"),
+    Entry(
+        "messenger_free_height",
+        "messenger_free_heights",
+        ("inner_support",),
+        "m",
+        "height at which the messenger-wire support spring is slack",
+    ),
+    Entry(
+        "contact_free_height",
+        "contact_free_heights",
+        ("inner_support",),
+        "m",
+        "height at which the contact-wire support spring is slack, NaN where there is none",
+    ),
+    Entry(
+        "end_pull",
+        "end_pulls",
+        ("end", "wire"),
+        "N",
+        "longitudinal force on the wire ends: left and right; contact and messenger wire",
+    ),
+    Entry("weight", "weight", (), "N", "weight of the line"),
+    Entry("reaction", "reaction", (), "N", "sum of the vertical support reactions"),
+    Entry("iterations", "iterations", (), "1", "Newton iterations of the shape finding"),
+    Entry("residual", "residual", (), "N", "largest out-of-balance nodal force"),
+)

@@ -1,0 +1,157 @@
+"""What a passage of one or several pantographs left behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.errors import InputError
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.specs.case import Case
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRecord:
+    """A contact force over time and position, unfiltered.
+
+    Attributes
+    ----------
+    time : (n_time,) s
+    position : (n_time,) m
+    force : (n_time,) N
+    """
+
+    time: Array
+    position: Array
+    force: Array
+
+    @property
+    def time_step(self) -> float:
+        """Sampling interval [s]; the record is uniform in time."""
+        return float(self.time[1] - self.time[0])
+
+
+@dataclass(frozen=True, eq=False)
+class PantographRecord:
+    """Histories of one pantograph.
+
+    Attributes
+    ----------
+    name : str
+    uplift_force : float N
+        Force applied to the pantograph (static and aerodynamic).
+    target_mean : float N or None
+        Mean force the uplift force was tuned to; None when it was prescribed.
+    position : (n_time,) m
+        Position along the track.
+    contact_force : (n_time,) N
+        Positive when the pantograph lifts the wire; 0 before it enters the line.
+    gap : (n_time,) m
+        Height of the wire above the head; negative while in contact (penetration).
+    wire_height : (n_time,) m
+        Height of the contact wire at the pantograph.
+    stage_heights : (n_time, n_stage) m
+        Displacement of the stages from their starting position, head first.
+    active : (n_time,) bool
+        True from the moment the pantograph has entered the line.
+    """
+
+    name: str
+    uplift_force: float
+    target_mean: float | None
+    position: Array
+    contact_force: Array
+    gap: Array
+    wire_height: Array
+    stage_heights: Array
+    active: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshots:
+    """Coarse shapes of both wires during the passage (for the animation).
+
+    Attributes
+    ----------
+    time : (n_frame,) s
+    x : (n_point,) m
+    contact_z, messenger_z : (n_frame, n_point) m
+    """
+
+    time: Array
+    x: Array
+    contact_z: NDArray[np.float32]
+    messenger_z: NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Result of :func:`tautwire.simulate`.
+
+    Attributes
+    ----------
+    case : Case
+    equilibrium : Equilibrium
+    status : str
+        ``"done"``, ``"partial"`` (interrupted, everything up to then is valid) or ``"failed"``.
+    message : str
+        Reason and cure when the status is not ``"done"``.
+    time : (n_time,) s
+    pantographs : tuple of PantographRecord
+    support_uplift : (n_time, n_support) m
+        Vertical displacement of the contact wire at the supports from the static state.
+    dropper_force : (n_time, n_dropper) N
+        Axial dropper forces, span by span; zero while slack.
+    snapshots : Snapshots
+    counters : mapping
+        ``dof, steps, iterations_mean, refactorisations, full_newton_steps, simulated_s, cpu_s,
+        wall_s, real_time_factor, tuning_passes, backend``.
+    warnings : tuple of str
+    provenance : mapping
+        ``version, commit, created, case_hash, python, platform``.
+    """
+
+    case: Case
+    equilibrium: Equilibrium
+    status: str
+    message: str
+    time: Array
+    pantographs: tuple[PantographRecord, ...]
+    support_uplift: NDArray[np.float32]
+    dropper_force: NDArray[np.float32]
+    snapshots: Snapshots
+    counters: Mapping[str, Any]
+    warnings: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def pantograph(self, name: str) -> PantographRecord:
+        """Return the record of the named pantograph.
+
+        Raises
+        ------
+        InputError
+            When no pantograph has that name.
+        """
+        for record in self.pantographs:
+            if record.name == name:
+                return record
+        names = ", ".join(p.name for p in self.pantographs)
+        raise InputError(f"no pantograph named {name!r} in this run; there are: {names}")
+
+    def contact_force(self, name: str) -> ForceRecord:
+        """Return the unfiltered contact force of the named pantograph since it entered."""
+        record = self.pantograph(name)
+        on = record.active
+        return ForceRecord(self.time[on], record.position[on], record.contact_force[on])
+
+    def save(self, path: str) -> None:
+        """Write the run to a netCDF-4 file (see :mod:`tautwire.results.storage`)."""
+        from tautwire.results.storage import save_run
+
+        save_run(self, path)

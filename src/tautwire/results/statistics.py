@@ -1,0 +1,456 @@
+"""Statistics of a passage: contact force, contact loss, uplift at supports, dropper forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.errors import InputError
+
+Array = NDArray[np.float64]
+
+ARC_DURATION = 0.005
+"""Shortest loss that counts as an arc [s] (EN 50367 as quoted by Song et al. 2021)."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """The analysed part of the line.
+
+    Attributes
+    ----------
+    first_span, last_span : int
+        1-based, both included.
+    start, end : float m
+        Position of the first support of the first span and of the last support of the last span.
+    """
+
+    first_span: int
+    last_span: int
+    start: float
+    end: float
+
+    def contains(self, position: Array) -> NDArray[np.bool_]:
+        """Mark the positions inside the section, limits included; (n,) m to (n,) bool."""
+        return (position >= self.start) & (position <= self.end)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the section as plain data for JSON."""
+        return {
+            "first_span": self.first_span,
+            "last_span": self.last_span,
+            "start_m": self.start,
+            "end_m": self.end,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Histogram:
+    """Share of the samples per force class.
+
+    Attributes
+    ----------
+    edges : (n_class + 1,) N
+    share : (n_class,)
+        Fraction of the samples; adds up to 1 (empty when there are no samples).
+    """
+
+    edges: Array
+    share: Array
+
+
+@dataclass(frozen=True)
+class SpanStatistics:
+    """Contact force within one span, by default low-passed at 20 Hz.
+
+    Attributes
+    ----------
+    span : int
+        1-based.
+    start, end : float m
+    mean, standard_deviation, maximum, minimum : float N
+        NaN where the pantograph was never in the span.
+    """
+
+    span: int
+    start: float
+    end: float
+    mean: float
+    standard_deviation: float
+    maximum: float
+    minimum: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the span's numbers as plain data for JSON."""
+        return {
+            "span": self.span,
+            "mean_n": _plain(self.mean),
+            "std_n": _plain(self.standard_deviation),
+            "max_n": _plain(self.maximum),
+            "min_n": _plain(self.minimum),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class FilteredStatistics:
+    """Contact force of one pantograph over the section, seen through one filter.
+
+    Mean, extremes, percentiles, histogram and per-span values are those of the force low-passed
+    at the filter's cut-off (20 Hz by default). Standard deviations divide by the number of
+    samples (ddof 0).
+
+    Attributes
+    ----------
+    kind : str
+        ``"sharp"`` or ``"butterworth"``.
+    description : str
+        The filter with every number.
+    cutoff : float Hz
+    mean, maximum, minimum : float N
+    standard_deviations : mapping of str to float N
+        By band, ``"0_2"`` for 0 to 2 Hz; NaN where the band reaches the Nyquist frequency.
+    standard_deviation : float N
+        Of the force low-passed at the filter's cut-off.
+    percentiles : mapping of float to float N
+        Force not exceeded in so many percent of the samples.
+    histogram : Histogram
+    per_span : tuple of SpanStatistics
+    """
+
+    kind: str
+    description: str
+    cutoff: float
+    mean: float
+    maximum: float
+    minimum: float
+    standard_deviations: Mapping[str, float]
+    standard_deviation: float
+    percentiles: Mapping[float, float]
+    histogram: Histogram
+    per_span: tuple[SpanStatistics, ...]
+
+    @property
+    def statistical_maximum(self) -> float:
+        """Mean plus three standard deviations [N]."""
+        return self.mean + 3.0 * self.standard_deviation
+
+    @property
+    def statistical_minimum(self) -> float:
+        """Mean minus three standard deviations [N]."""
+        return self.mean - 3.0 * self.standard_deviation
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the numbers as plain data for JSON, None in place of NaN."""
+        bands = {f"std_{k}_n": _plain(v) for k, v in self.standard_deviations.items()}
+        return {
+            "filter": self.description,
+            "mean_n": _plain(self.mean),
+            **bands,
+            "max_n": _plain(self.maximum),
+            "min_n": _plain(self.minimum),
+            "statistical_max_n": _plain(self.statistical_maximum),
+            "statistical_min_n": _plain(self.statistical_minimum),
+            "percentiles_n": {f"{k:g}": _plain(v) for k, v in self.percentiles.items()},
+            "histogram": {
+                "edges_n": self.histogram.edges.tolist(),
+                "share": self.histogram.share.tolist(),
+            },
+            "spans": [span.as_dict() for span in self.per_span],
+        }
+
+
+@dataclass(frozen=True)
+class LossEvent:
+    """One loss of contact inside the section.
+
+    Attributes
+    ----------
+    start : float s
+        Instant of separation (or of entering the section when it was already lost there).
+    duration : float s
+        Part of the loss inside the section.
+    position : float m
+        Position of the pantograph at `start`.
+    place : str
+        Nearest support or dropper, ``"dropper 3 of span 7"``.
+    is_cut : bool
+        True when a limit of the section or of the record cut the loss.
+    """
+
+    start: float
+    duration: float
+    position: float
+    place: str
+    is_cut: bool
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the event as plain data for JSON."""
+        return {
+            "start_s": self.start,
+            "duration_ms": 1e3 * self.duration,
+            "position_m": self.position,
+            "place": self.place,
+            "is_cut": self.is_cut,
+        }
+
+
+@dataclass(frozen=True)
+class ContactLoss:
+    """Contact loss of one pantograph inside the section, from the unfiltered gap.
+
+    Attributes
+    ----------
+    pantograph : str
+    observed : float s
+        Time the pantograph was in the section.
+    events : tuple of LossEvent
+        In order of time.
+    """
+
+    pantograph: str
+    observed: float
+    events: tuple[LossEvent, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of losses."""
+        return len(self.events)
+
+    @property
+    def percent(self) -> float:
+        """Lost time in percent of the time in the section; NaN when it was never there."""
+        return self.percent_over(0.0)
+
+    @property
+    def longest(self) -> float:
+        """Duration of the longest loss [s]; 0 without losses."""
+        return max((event.duration for event in self.events), default=0.0)
+
+    def count_over(self, duration: float = ARC_DURATION) -> int:
+        """Count the losses that last at least `duration` [s]."""
+        return sum(event.duration >= duration for event in self.events)
+
+    def percent_over(self, duration: float = ARC_DURATION) -> float:
+        """Time in losses of at least `duration` [s], in percent of the time in the section."""
+        lost = sum(event.duration for event in self.events if event.duration >= duration)
+        return 100.0 * lost / self.observed if self.observed > 0.0 else float("nan")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the losses as plain data for JSON."""
+        return {
+            "count": self.count,
+            "percent": _plain(self.percent),
+            "longest_ms": 1e3 * self.longest,
+            "count_over_5_ms": self.count_over(),
+            "percent_over_5_ms": _plain(self.percent_over()),
+            "observed_s": self.observed,
+            "events": [event.as_dict() for event in self.events],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PantographStatistics:
+    """Everything about one pantograph over the section.
+
+    Attributes
+    ----------
+    name : str
+    uplift_force : float N
+    target_mean : float N or None
+    filtered : mapping of str to FilteredStatistics
+        By kind of filter; ``"sharp"`` and ``"butterworth"`` are always there.
+    headline_kind : str
+        The kind that the case (or the call) asked for.
+    contact_loss : ContactLoss
+    contact_height_range : float m
+        Largest minus smallest height of the contact point over the section.
+    """
+
+    name: str
+    uplift_force: float
+    target_mean: float | None
+    filtered: Mapping[str, FilteredStatistics]
+    headline_kind: str
+    contact_loss: ContactLoss
+    contact_height_range: float
+
+    @property
+    def headline(self) -> FilteredStatistics:
+        """Statistics seen through the filter that was asked for."""
+        return self.filtered[self.headline_kind]
+
+    @property
+    def sharp(self) -> FilteredStatistics:
+        """Statistics seen through the sharp filter."""
+        return self.filtered["sharp"]
+
+    @property
+    def butterworth(self) -> FilteredStatistics:
+        """Statistics seen through the Butterworth filter."""
+        return self.filtered["butterworth"]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the pantograph's numbers as plain data for JSON."""
+        return {
+            "name": self.name,
+            "uplift_force_n": self.uplift_force,
+            "target_mean_n": self.target_mean,
+            "headline": self.headline_kind,
+            **{kind: part.as_dict() for kind, part in self.filtered.items()},
+            "contact_loss": self.contact_loss.as_dict(),
+            "contact_height_range_mm": _plain(1e3 * self.contact_height_range),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class UpliftStatistics:
+    """Largest uplift of the contact wire at the supports of the section.
+
+    Attributes
+    ----------
+    supports : (n,)
+        1-based numbers of the supports of the section, its limits included.
+    position : (n,) m
+    uplift : (n,) m
+        Largest vertical displacement from the static state; NaN when nothing passed.
+    """
+
+    supports: NDArray[np.int64]
+    position: Array
+    uplift: Array
+
+    @property
+    def maximum(self) -> float:
+        """Largest uplift at any support of the section [m]; NaN when nothing passed."""
+        known = self.uplift[np.isfinite(self.uplift)]
+        return float(known.max()) if known.size else float("nan")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the uplift as plain data for JSON."""
+        pairs = zip(self.supports.tolist(), self.uplift.tolist(), strict=True)
+        return {
+            "max_mm": _plain(1e3 * self.maximum),
+            "supports": [{"support": n, "mm": _plain(1e3 * u)} for n, u in pairs],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class DropperStatistics:
+    """Force range and slack time of the droppers of the section, left to right.
+
+    Attributes
+    ----------
+    span, number : (n,)
+        1-based span, and 1-based number within it.
+    position : (n,) m
+    static_force, maximum, minimum : (n,) N
+    slack_time : (n,) s
+        Time with a force of zero or less, counted in samples.
+    observed : float s
+        Time over which the droppers were watched.
+    """
+
+    span: NDArray[np.int64]
+    number: NDArray[np.int64]
+    position: Array
+    static_force: Array
+    maximum: Array
+    minimum: Array
+    slack_time: Array
+    observed: float
+
+    def as_dict(self) -> list[dict[str, Any]]:
+        """Return one plain row per dropper for JSON."""
+        return [
+            {
+                "span": int(self.span[i]),
+                "dropper": int(self.number[i]),
+                "static_n": _plain(self.static_force[i]),
+                "max_n": _plain(self.maximum[i]),
+                "min_n": _plain(self.minimum[i]),
+                "slack_s": _plain(self.slack_time[i]),
+            }
+            for i in range(self.span.size)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class RunStatistics:
+    """Result of :func:`tautwire.contact_statistics`.
+
+    Attributes
+    ----------
+    case_name : str
+    speed : float m/s
+    section : Section
+    pantographs : tuple of PantographStatistics
+    uplift : UpliftStatistics
+    droppers : DropperStatistics
+    notes : tuple of str
+        What the reader must know: bands without value, a section that was not covered.
+    """
+
+    case_name: str
+    speed: float
+    section: Section
+    pantographs: tuple[PantographStatistics, ...]
+    uplift: UpliftStatistics
+    droppers: DropperStatistics
+    notes: tuple[str, ...]
+
+    def pantograph(self, name: str | None = None) -> PantographStatistics:
+        """Return the statistics of the named pantograph, of the leading one without a name.
+
+        Raises
+        ------
+        InputError
+            When no pantograph has that name.
+        """
+        if name is None:
+            return self.pantographs[0]
+        for entry in self.pantographs:
+            if entry.name == name:
+                return entry
+        names = ", ".join(entry.name for entry in self.pantographs)
+        raise InputError(f"no pantograph named {name!r} in these statistics; there are: {names}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the statistics as plain data for JSON (keys name their unit)."""
+        return {
+            "section": self.section.as_dict(),
+            "pantographs": [entry.as_dict() for entry in self.pantographs],
+            "uplift": self.uplift.as_dict(),
+            "droppers": self.droppers.as_dict(),
+            "notes": list(self.notes),
+        }
+
+    def __str__(self) -> str:
+        """Return a short table with one column per pantograph and filter."""
+        part = self.section
+        lines = [f"contact force, spans {part.first_span} to {part.last_span} [N]"]
+        for entry in self.pantographs:
+            for kind, values in entry.filtered.items():
+                lines.append(f"{entry.name}, {values.description}")
+                mark = "  (headline)" if kind == entry.headline_kind else ""
+                lines.append(
+                    f"  mean {values.mean:.2f}  sigma {values.standard_deviation:.2f}  "
+                    f"max {values.maximum:.2f}  min {values.minimum:.2f}{mark}"
+                )
+            loss = entry.contact_loss
+            lines.append(
+                f"  contact loss: {loss.count} events, {loss.percent:.3f} % of the time, "
+                f"longest {1e3 * loss.longest:.2f} ms"
+            )
+        lines.append(f"largest uplift at a support {1e3 * self.uplift.maximum:.1f} mm")
+        return "\n".join([*lines, *self.notes])
+
+
+def _plain(value: float) -> float | None:
+    """Return a float for JSON, None in place of a number that is not finite."""
+    number = float(value)
+    return number if math.isfinite(number) else None

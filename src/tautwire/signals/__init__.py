@@ -1,0 +1,1 @@
+"""Pure functions of time series: filters, bands, spectra, contact loss (NumPy and SciPy only)."""

@@ -1,0 +1,36 @@
+"""What exists and what is chosen: frozen, validated descriptions in SI units."""
+
+from tautwire.specs.case import Case, Source
+from tautwire.specs.catenary import Damping, Ends, Line
+from tautwire.specs.dropper import Droppers, DropperStiffness
+from tautwire.specs.pantograph import Pantograph, RoofMotion, Stage
+from tautwire.specs.reference import FieldRow, case_json_schema, field_rows
+from tautwire.specs.scenario import MeanForceLaw, Scenario
+from tautwire.specs.settings import Integrator, Settings
+from tautwire.specs.support import Arm, Supports, SupportSpring
+from tautwire.specs.wire import Wire, Wires
+
+__all__ = [
+    "Arm",
+    "Case",
+    "Damping",
+    "DropperStiffness",
+    "Droppers",
+    "Ends",
+    "FieldRow",
+    "Integrator",
+    "Line",
+    "MeanForceLaw",
+    "Pantograph",
+    "RoofMotion",
+    "Scenario",
+    "Settings",
+    "Source",
+    "Stage",
+    "SupportSpring",
+    "Supports",
+    "Wire",
+    "Wires",
+    "case_json_schema",
+    "field_rows",
+]

@@ -1,0 +1,94 @@
+"""The case: everything that defines one simulation."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from tautwire.specs.base import Spec, Typical, refuse
+from tautwire.specs.catenary import Line
+from tautwire.specs.checks import find_contradictions
+from tautwire.specs.dropper import Droppers
+from tautwire.specs.pantograph import Name, Pantograph
+from tautwire.specs.scenario import Scenario
+from tautwire.specs.settings import Settings
+from tautwire.specs.support import Supports
+from tautwire.specs.wire import Wires
+
+SCHEMA_VERSION = 1
+Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
+
+
+class Source(Spec):
+    """Where a number of the case comes from."""
+
+    path: Annotated[str, Typical("wires.contact.tension")] = Field(
+        min_length=1, description="Path of the value, or of a group of values."
+    )
+    source: str = Field(min_length=1, description="Document, data set or reasoning.")
+    confidence: Confidence = Field(
+        description="'two sources', 'one source', 'derived' (computed from sourced values), "
+        "'memory' (remembered, no document at hand), 'calibrated' (fitted to results) or 'choice'."
+    )
+
+
+class Case(Spec):
+    """One simulation: line, wires, supports, droppers, pantographs, scenario, settings."""
+
+    schema_version: Annotated[Literal[1], Typical("1")] = Field(
+        default=1, alias="schema", description="Version of the input format."
+    )
+    name: Annotated[Name, Typical("my-line")] = Field(
+        description="Short name, used in results and file names."
+    )
+    title: Annotated[str, Field(max_length=200)] = Field(
+        default="", description="One line for the report."
+    )
+    description: str = Field(default="", description="Free text for the report.")
+    line: Line = Field(description="Spans, wire ends and damping.")
+    wires: Wires = Field(description="The contact wire and the messenger wire.")
+    supports: Supports = Field(description="Where and how the wires are held.")
+    droppers: Droppers = Field(description="The droppers.")
+    pantographs: tuple[Pantograph, ...] = Field(
+        min_length=1, max_length=20, description="The pantographs of the train, leading one first."
+    )
+    scenario: Scenario = Field(description="Speed, direction and uplift force.")
+    settings: Settings = Field(description="Numerical choices and analysed section.")
+    sources: tuple[Source, ...] = Field(
+        default=(), description="Where the numbers come from, shown in the report."
+    )
+
+    @model_validator(mode="after")
+    def _check_parts_together(self) -> Case:
+        refuse(find_contradictions({name: getattr(self, name) for name in type(self).model_fields}))
+        return self
+
+    def hash(self) -> str:
+        """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits."""
+        text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def resolved_section(self) -> tuple[int, int]:
+        """Return the first and the last analysed span, numbered from 1."""
+        if self.settings.section is not None:
+            return self.settings.section
+        at_start = min(3, (self.line.spans - 1) // 3)
+        at_end = min(4, (self.line.spans - 1) // 3)
+        return at_start + 1, self.line.spans - at_end
+
+    def uplift_forces(self) -> tuple[float, ...]:
+        """Return the uplift force of each pantograph [N]: prescribed, or the first guess.
+
+        With a mean force to tune to and no ``uplift_guess``, the guess is that mean force.
+        """
+        scenario = self.scenario
+        target = scenario.target_mean_force()
+        given = scenario.uplift_force if target is None else (scenario.uplift_guess or target)
+        if isinstance(given, tuple):
+            return given
+        if given is not None:
+            return (given,) * len(self.pantographs)
+        return tuple(pantograph.uplift_force(scenario.speed) for pantograph in self.pantographs)

@@ -1,0 +1,104 @@
+"""The line as a whole: spans, wire ends, damping."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, form_of, refuse
+
+SpanLength = Annotated[float, Quantity("m", ge=1.0, le=500.0, typical="40 to 65 m")]
+End = Literal["anchored", "weighted"]
+
+
+class Damping(Spec):
+    """Proportional damping C = mass * M + stiffness * K0 of wires, droppers and arms."""
+
+    mass: Annotated[float, Quantity("1/s", ge=0.0, le=1e3, typical="0.0125 1/s")] = Field(
+        default=0.0125, description="Factor of the mass matrix."
+    )
+    stiffness: Annotated[float, Quantity("s", ge=0.0, le=1.0, typical="1e-4 s")] = Field(
+        default=1e-4,
+        description="Factor of the tangent stiffness in the static state; the share of a dropper "
+        "acts only while it is taut.",
+    )
+
+
+class Ends(Spec):
+    """How both wires end after the static shape is found."""
+
+    left: End = Field(
+        default="anchored", description="Held ('anchored') or under constant tension ('weighted')."
+    )
+    right: End = Field(
+        default="anchored", description="Held ('anchored') or under constant tension ('weighted')."
+    )
+
+
+def _ends_from_word(value: Any) -> Any:
+    return {"left": value, "right": value} if isinstance(value, str) else value
+
+
+class Line(Spec):
+    """Spans, wire ends and damping of the line.
+
+    A list of span lengths alone also sets the number of spans.
+    """
+
+    spans: Annotated[int, Field(ge=1, le=1000, strict=True), Typical("10 to 20")] = Field(
+        description="Number of spans, from anchor to anchor."
+    )
+    span_length: Annotated[
+        Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
+        Discriminator(form_of),
+    ] = Field(description="Length of every span, or a list with one length per span.")
+    ends: Annotated[Ends, BeforeValidator(_ends_from_word, json_schema_input_type=End | Ends)] = (
+        Field(
+            default=Ends(),
+            description="How both wires end: 'anchored' (held) or 'weighted' (constant tension, "
+            "free to move along the track), for both ends or as {left: ..., right: ...}.",
+        )
+    )
+    damping: Damping = Field(default=Damping(), description="Proportional damping.")
+    gravity: Annotated[float, Quantity("m/s^2", gt=0.0, le=100.0, typical="9.81 m/s^2")] = Field(
+        default=9.81, description="Acceleration of gravity."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _count_spans(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "spans" not in data:
+            lengths = data.get("span_length")
+            if isinstance(lengths, (list, tuple)):
+                return {**data, "spans": len(lengths)}
+        return data
+
+    @model_validator(mode="after")
+    def _check_span_lengths(self) -> Line:
+        if isinstance(self.span_length, tuple) and len(self.span_length) != self.spans:
+            refuse(
+                [
+                    Problem(
+                        ("span_length",),
+                        f"has {len(self.span_length)} values for {self.spans} spans; give one "
+                        "length per span, or a single length for all, or leave out line.spans",
+                    )
+                ]
+            )
+        return self
+
+    def span_lengths(self) -> tuple[float, ...]:
+        """Return the length of each span [m]."""
+        if isinstance(self.span_length, tuple):
+            return self.span_length
+        return (self.span_length,) * self.spans
+
+    def support_positions(self) -> tuple[float, ...]:
+        """Return the position of each support [m]; the left anchor is at 0."""
+        return tuple(accumulate(self.span_lengths(), initial=0.0))
+
+    def length(self) -> float:
+        """Return the distance between the two anchors [m]."""
+        return self.support_positions()[-1]

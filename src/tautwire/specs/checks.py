@@ -1,0 +1,295 @@
+"""Checks between the parts of a case; each returns every problem it finds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from tautwire.specs.base import Problem
+from tautwire.specs.catenary import Line
+from tautwire.specs.dropper import Droppers
+from tautwire.specs.pantograph import Pantograph
+from tautwire.specs.scenario import Scenario
+from tautwire.specs.settings import Settings
+from tautwire.specs.support import Supports
+from tautwire.specs.wire import Wires
+
+MIN_SPACING = 0.05
+"""Smallest distance [m] between neighbouring attachment points."""
+
+
+def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
+    """Check that lists per support have one value for every support of the line."""
+    count = line.spans + 1
+    names = (
+        "contact_height",
+        "encumbrance",
+        "contact_stagger",
+        "messenger_stagger",
+        "arm_end_y",
+        "arm_end_z",
+    )
+    problems = [
+        Problem(
+            ("supports", name),
+            f"has {len(values)} values; {line.spans} spans have {count} supports, both anchors "
+            "included: give one value per support",
+        )
+        for name in names
+        if isinstance(values := getattr(supports, name), tuple) and len(values) != count
+    ]
+    return problems + _missing_arm_ends(line, supports)
+
+
+def _missing_arm_ends(line: Line, supports: Supports) -> list[Problem]:
+    if supports.closure != "arm":
+        return []
+    problems = []
+    for name in ("arm_end_y", "arm_end_z"):
+        values = getattr(supports, name)
+        if values is None or len(values) != line.spans + 1:
+            continue
+        problems += [
+            Problem(("supports", name, index), "is missing; only the two anchors carry no arm")
+            for index in range(1, line.spans)
+            if values[index] is None
+        ]
+    return problems
+
+
+def check_droppers(line: Line, droppers: Droppers) -> list[Problem]:
+    """Check that droppers lie inside their span, in order, each with its value."""
+    counts = [
+        Problem(
+            ("droppers", name),
+            f"has {len(rows)} lists for {line.spans} spans; give one list per span, or one list "
+            "for all spans",
+        )
+        for name, rows in _lists_in_use(line, droppers).items()
+        if len(rows) != line.spans
+    ]
+    if counts:
+        return counts
+    problems = []
+    for span in _distinct_spans(line, droppers):
+        problems += _check_positions(line, droppers, span)
+        problems += _check_values(line, droppers, span)
+    return problems
+
+
+def _lists_in_use(line: Line, droppers: Droppers) -> dict[str, tuple[tuple[float, ...], ...]]:
+    lists = {"positions": droppers.positions_by_span(line.spans)}
+    if droppers.mode == "height":
+        lists["presag"] = droppers.presag_by_span(line.spans)
+    else:
+        lists["lengths"] = droppers.lengths_by_span(line.spans)
+    return lists
+
+
+def _is_table(values: object) -> bool:
+    return isinstance(values, tuple) and bool(values) and isinstance(values[0], tuple)
+
+
+def _value_path(droppers: Droppers, name: str, span: int, *index: int) -> tuple[str | int, ...]:
+    """Return the path as the user wrote the list: for every span, or span by span."""
+    if _is_table(getattr(droppers, name)):
+        return ("droppers", name, span, *index)
+    return ("droppers", name, *index)
+
+
+def _distinct_spans(line: Line, droppers: Droppers) -> Sequence[int]:
+    """Return the spans to check: where nothing differs between spans, the first is enough."""
+    names = _lists_in_use(line, droppers)
+    if isinstance(line.span_length, tuple) or any(_is_table(getattr(droppers, n)) for n in names):
+        return range(line.spans)
+    return (0,)
+
+
+def _check_positions(line: Line, droppers: Droppers, span: int) -> list[Problem]:
+    length = line.span_lengths()[span]
+    positions = droppers.positions_by_span(line.spans)[span]
+    problems = []
+    previous = 0.0
+    for index, position in enumerate(positions):
+        path = _value_path(droppers, "positions", span, index)
+        if position > length - MIN_SPACING:
+            problems.append(
+                Problem(
+                    path,
+                    f"got {position:g} m, outside the span of {length:g} m; droppers hang between "
+                    f"{MIN_SPACING:g} m and {length - MIN_SPACING:g} m from its left support",
+                )
+            )
+        elif position < previous + MIN_SPACING:
+            neighbour = "the support" if index == 0 else f"dropper {index} at {previous:g} m"
+            problems.append(
+                Problem(
+                    path,
+                    f"got {position:g} m, less than {MIN_SPACING:g} m beyond {neighbour}; list "
+                    "the positions from left to right",
+                )
+            )
+        previous = position
+    return problems
+
+
+def _check_values(line: Line, droppers: Droppers, span: int) -> list[Problem]:
+    positions = droppers.positions_by_span(line.spans)[span]
+    problems = []
+    for name, rows in _lists_in_use(line, droppers).items():
+        if len(rows[span]) != len(positions):
+            problems.append(
+                Problem(
+                    _value_path(droppers, name, span),
+                    f"has {len(rows[span])} values for {len(positions)} droppers "
+                    f"(droppers.positions of span {span + 1}); give one value per dropper",
+                )
+            )
+    return problems
+
+
+def check_speed(wires: Wires, scenario: Scenario) -> list[Problem]:
+    """Check that the train is slower than the waves on the contact wire."""
+    wave_speed = wires.contact.wave_speed()
+    if scenario.speed < wave_speed:
+        return []
+    return [
+        Problem(
+            ("scenario", "speed"),
+            f"got {scenario.speed * 3.6:.1f} km/h, not below the wave speed of the contact wire, "
+            f"sqrt(tension/mass) = {wave_speed * 3.6:.1f} km/h; lower the speed or raise "
+            "wires.contact.tension",
+        )
+    ]
+
+
+def check_pantograph_row(pantographs: Sequence[Pantograph]) -> list[Problem]:
+    """Check names and distances of the pantographs of a train."""
+    problems = []
+    names = [pantograph.name for pantograph in pantographs]
+    for index, pantograph in enumerate(pantographs):
+        if pantograph.name in names[:index]:
+            problems.append(
+                Problem(
+                    ("pantographs", index, "name"),
+                    f"got {pantograph.name!r} again; give every pantograph its own name",
+                )
+            )
+        if index == 0 and pantograph.behind != 0.0:
+            problems.append(
+                Problem(
+                    ("pantographs", 0, "behind"),
+                    f"got {pantograph.behind:g} m; the first pantograph leads, its distance is 0",
+                )
+            )
+        if index > 0 and pantograph.behind <= pantographs[index - 1].behind:
+            problems.append(
+                Problem(
+                    ("pantographs", index, "behind"),
+                    f"got {pantograph.behind:g} m, not behind pantograph {index} at "
+                    f"{pantographs[index - 1].behind:g} m; list the pantographs from the front, "
+                    "each with its distance behind the first",
+                )
+            )
+    return problems
+
+
+def check_forces(scenario: Scenario, pantographs: Sequence[Pantograph]) -> list[Problem]:
+    """Check that every pantograph has one uplift force."""
+    problems = []
+    for name in ("uplift_force", "uplift_guess"):
+        values = getattr(scenario, name)
+        if isinstance(values, tuple) and len(values) != len(pantographs):
+            problems.append(
+                Problem(
+                    ("scenario", name),
+                    f"has {len(values)} values for {len(pantographs)} pantographs; give one "
+                    "value each, or a single value for all",
+                )
+            )
+    if scenario.mean_force is None and scenario.uplift_force is None:
+        problems += [
+            Problem(
+                ("pantographs", index, "static_force"),
+                f"the uplift force is {pantograph.uplift_force(scenario.speed):g} N; give "
+                "static_force (for example '70 N'), scenario.mean_force or scenario.uplift_force",
+            )
+            for index, pantograph in enumerate(pantographs)
+            if pantograph.uplift_force(scenario.speed) <= 0.0
+        ]
+    target = scenario.target_mean_force()
+    if target is not None and target <= 0.0:
+        problems.append(
+            Problem(
+                ("scenario", "mean_force"),
+                f"gives {target:g} N at {scenario.speed * 3.6:.1f} km/h; the mean force must be "
+                "positive",
+            )
+        )
+    return problems
+
+
+def check_section(line: Line, settings: Settings) -> list[Problem]:
+    """Check that the analysed section and the start lie on the line."""
+    problems = []
+    if settings.section is not None and settings.section[1] > line.spans:
+        first, last = settings.section
+        problems.append(
+            Problem(
+                ("settings", "section"),
+                f"got [{first}, {last}]; the line has {line.spans} spans: choose a section "
+                "inside, or leave it out for the default",
+            )
+        )
+    if settings.start >= line.length():
+        problems.append(
+            Problem(
+                ("settings", "start"),
+                f"got {settings.start:g} m; the line is {line.length():g} m long",
+            )
+        )
+    return problems
+
+
+def check_train_length(
+    line: Line, pantographs: Sequence[Pantograph], settings: Settings
+) -> list[Problem]:
+    """Check that every trailing pantograph reaches the line."""
+    room = line.length() - settings.start
+    return [
+        Problem(
+            ("pantographs", index, "behind"),
+            f"got {pantograph.behind:g} m; the leading pantograph runs {room:g} m on the line, so "
+            "this one never reaches it: lengthen the line (line.spans)",
+        )
+        for index, pantograph in enumerate(pantographs)
+        if pantograph.behind >= room
+    ]
+
+
+Check = Callable[..., list[Problem]]
+CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
+    (("line", "supports"), check_support_lists),
+    (("line", "droppers"), check_droppers),
+    (("wires", "scenario"), check_speed),
+    (("pantographs",), check_pantograph_row),
+    (("scenario", "pantographs"), check_forces),
+    (("line", "settings"), check_section),
+    (("line", "pantographs", "settings"), check_train_length),
+)
+"""Every check with the parts of the case it needs, so that it can run when others are invalid."""
+
+
+def find_contradictions(parts: Mapping[str, Any]) -> list[Problem]:
+    """Run every check whose parts are all at hand.
+
+    Parameters
+    ----------
+    parts
+        Valid parts of a case by field name; parts that are not valid are left out.
+    """
+    problems = []
+    for needs, check in CHECKS:
+        if all(name in parts for name in needs):
+            problems += check(*(parts[name] for name in needs))
+    return problems

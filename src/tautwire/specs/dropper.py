@@ -1,0 +1,163 @@
+"""Droppers: where they hang, what they hold, how stiff they are."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from tautwire.specs.base import LIST, TABLE, Problem, Quantity, Spec, form_of, refuse
+from tautwire.units import UnitError, parse_quantity
+
+Position = Annotated[float, Quantity("m", gt=0.0, le=1000.0, typical="4.5 m to 60 m")]
+Presag = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0 to 60 mm")]
+Length = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.3 to 2 m")]
+
+Positions = Annotated[
+    Annotated[tuple[Position, ...], Tag(LIST)]
+    | Annotated[tuple[tuple[Position, ...], ...], Tag(TABLE)],
+    Discriminator(form_of),
+]
+Presags = Annotated[
+    Annotated[tuple[Presag, ...], Tag(LIST)]
+    | Annotated[tuple[tuple[Presag, ...], ...], Tag(TABLE)],
+    Discriminator(form_of),
+]
+Lengths = Annotated[
+    Annotated[tuple[Length, ...], Tag(LIST)]
+    | Annotated[tuple[tuple[Length, ...], ...], Tag(TABLE)],
+    Discriminator(form_of),
+]
+BySpan = tuple[tuple[float, ...], ...]
+
+
+class DropperStiffness(Spec):
+    """Stiffness of a taut dropper: of the whole dropper or per unit strain, exactly one."""
+
+    spring: Annotated[float, Quantity("N/m", gt=0.0, le=1e12, typical="100 to 200 kN/m")] | None = (
+        Field(default=None, description="Stiffness of every dropper, whatever its length.")
+    )
+    axial: Annotated[float, Quantity("N", gt=0.0, le=1e12, typical="200 kN")] | None = Field(
+        default=None, description="Axial stiffness EA; a dropper of length L has EA/L."
+    )
+
+    @model_validator(mode="after")
+    def _check_one_given(self) -> DropperStiffness:
+        if (self.spring is None) == (self.axial is None):
+            refuse([Problem((), "give exactly one of spring ('200 kN/m') and axial ('200 kN')")])
+        return self
+
+    def of_length(self, length: float) -> float:
+        """Return the stiffness [N/m] of a dropper of the given unstrained length [m]."""
+        return self.spring if self.spring is not None else (self.axial or 0.0) / length
+
+
+def _stiffness_from_text(value: Any) -> Any:
+    """Read ``"200 kN/m"`` (or a number) as a spring and ``"200 kN"`` as EA."""
+    if not isinstance(value, (str, int, float)):
+        return value
+    try:
+        return {"spring": parse_quantity(value, "N/m")}
+    except UnitError as error:
+        spring_error = error
+    try:
+        return {"axial": parse_quantity(value, "N")}
+    except UnitError:
+        raise UnitError(f"{spring_error}, or an axial stiffness EA, for example '200 kN'") from None
+
+
+def _mode_from_word(value: Any) -> Any:
+    """Accept the plurals ``heights`` and ``lengths``."""
+    return (
+        {"heights": "height", "lengths": "length"}.get(value, value)
+        if (isinstance(value, str))
+        else value
+    )
+
+
+class Droppers(Spec):
+    """All droppers of the line.
+
+    Lists hold one value per dropper, left to right, valid in every span; or one such list per
+    span.
+    """
+
+    mode: Annotated[
+        Literal["height", "length"],
+        BeforeValidator(
+            _mode_from_word,
+            json_schema_input_type=Literal["height", "length", "heights", "lengths"],
+        ),
+    ] = Field(
+        default="height",
+        description="What is prescribed: 'height' (presag; lengths are found) or 'length' "
+        "(lengths; heights are found). The list of the other mode is not used.",
+    )
+    positions: Positions = Field(
+        description="Distance of the droppers from the support on the left of their span."
+    )
+    presag: Presags | None = Field(
+        default=None,
+        description="Mode 'height': depth of the contact wire at the droppers below the straight "
+        "line between the contact heights of the two supports, positive downwards.",
+    )
+    lengths: Lengths | None = Field(
+        default=None, description="Mode 'length': dropper lengths, clamp to clamp."
+    )
+    length_kind: Literal["unstrained", "stretched"] = Field(
+        default="unstrained",
+        description="Whether lengths are those of the unloaded or of the loaded dropper.",
+    )
+    stiffness: Annotated[
+        DropperStiffness,
+        BeforeValidator(
+            _stiffness_from_text, json_schema_input_type=float | str | DropperStiffness
+        ),
+    ] = Field(
+        description="Stiffness of a taut dropper: a spring ('200 kN/m', or a number in N/m) or "
+        "an axial stiffness EA ('200 kN'). A slack dropper has none."
+    )
+    mass: Annotated[float, Quantity("kg/m", ge=0.0, le=10.0, typical="0.09 to 0.12 kg/m")] = Field(
+        default=0.0, description="Mass per length; half of a dropper counts at each of its ends."
+    )
+    clamp_contact: Annotated[float, Quantity("kg", ge=0.0, le=10.0, typical="0.165 kg")] = Field(
+        default=0.0, description="Mass of the clamp on the contact wire."
+    )
+    clamp_messenger: Annotated[float, Quantity("kg", ge=0.0, le=10.0, typical="0.195 kg")] = Field(
+        default=0.0, description="Mass of the clamp on the messenger wire."
+    )
+
+    @model_validator(mode="after")
+    def _check_prescribed_list(self) -> Droppers:
+        name = "presag" if self.mode == "height" else "lengths"
+        if getattr(self, name) is None:
+            refuse(
+                [
+                    Problem(
+                        (name,),
+                        f"is missing: mode '{self.mode}' needs one value per dropper, in a list "
+                        "for every span or in one list per span",
+                    )
+                ]
+            )
+        return self
+
+    def positions_by_span(self, spans: int) -> BySpan:
+        """Return the positions [m] from the left support, one tuple per span."""
+        return _by_span(self.positions, spans)
+
+    def presag_by_span(self, spans: int) -> BySpan:
+        """Return the pre-sags [m], one tuple per span; empty in mode 'length' without presag."""
+        return () if self.presag is None else _by_span(self.presag, spans)
+
+    def lengths_by_span(self, spans: int) -> BySpan:
+        """Return the given lengths [m], one tuple per span; empty when none are given."""
+        return () if self.lengths is None else _by_span(self.lengths, spans)
+
+
+def _by_span(values: tuple[float, ...] | BySpan, spans: int) -> BySpan:
+    rows = tuple(item for item in values if isinstance(item, tuple))
+    if rows:
+        return rows
+    flat = tuple(item for item in values if not isinstance(item, tuple))
+    return (flat,) * spans

@@ -1,0 +1,123 @@
+"""Pantographs: lumped stages on the roof of a moving train."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+
+Time = Annotated[float, Quantity("s", ge=0.0, le=1e6)]
+RoofHeight = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-20 to 20 mm")]
+Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^/\\\x00-\x1f\x7f]+$")]
+
+
+class Stage(Spec):
+    """One lumped mass with the spring and the damper below it."""
+
+    mass: Annotated[float, Quantity("kg", gt=0.0, le=1000.0, typical="5 to 15 kg")] = Field(
+        description="Mass of the stage."
+    )
+    stiffness: Annotated[float, Quantity("N/m", ge=0.0, le=1e9, typical="50 to 15500 N/m")] = Field(
+        description="Stiffness to the stage below; of the last stage, to the roof."
+    )
+    damping: Annotated[float, Quantity("N s/m", ge=0.0, le=1e7, typical="0 to 100 N s/m")] = Field(
+        default=0.0, description="Damping to the stage below; of the last stage, to the roof."
+    )
+
+
+class RoofMotion(Spec):
+    """Prescribed vertical motion of the roof, linear between the points of a table.
+
+    Before the first and after the last point the nearest value holds.
+    """
+
+    time: tuple[Time, ...] = Field(
+        min_length=2, description="Times since the start, strictly increasing."
+    )
+    height: tuple[RoofHeight, ...] = Field(
+        min_length=2, description="Height of the roof at these times, from its starting position."
+    )
+
+    @model_validator(mode="after")
+    def _check_table(self) -> RoofMotion:
+        problems = []
+        if len(self.time) != len(self.height):
+            problems.append(
+                Problem(
+                    ("height",),
+                    f"has {len(self.height)} values for {len(self.time)} times; give one per time",
+                )
+            )
+        for index in range(1, len(self.time)):
+            if self.time[index] <= self.time[index - 1]:
+                problems.append(
+                    Problem(
+                        ("time", index),
+                        f"got {self.time[index]:g} s after {self.time[index - 1]:g} s; times "
+                        "must increase",
+                    )
+                )
+                break
+        refuse(problems)
+        return self
+
+
+class Pantograph(Spec):
+    """A pantograph: stages from the head down, and the forces that lift it."""
+
+    name: Name = Field(description="Name used in results, different for each pantograph.")
+    behind: Annotated[float, Quantity("m", ge=0.0, le=1000.0, typical="0; 200 m")] = Field(
+        default=0.0, description="Distance behind the leading pantograph; 0 for the first."
+    )
+    stages: tuple[Stage, ...] = Field(
+        min_length=1, max_length=20, description="Lumped stages, collector head first."
+    )
+    static_force: Annotated[float, Quantity("N", ge=0.0, le=1e3, typical="70 N (AC)")] = Field(
+        default=0.0,
+        description="Static part of the uplift force; used when the scenario gives no force.",
+    )
+    aerodynamic: Annotated[
+        float, Quantity("N/(m/s)^2", ge=-1.0, le=1.0, typical="0.00097 N/(km/h)^2")
+    ] = Field(
+        default=0.0,
+        description="Aerodynamic part: force per speed squared; used with static_force.",
+    )
+    force_stage: Annotated[int, Field(ge=1, strict=True), Typical("the lowest")] | None = Field(
+        default=None,
+        description="Stage on which the uplift force acts, 1 being the head; the lowest if left "
+        "out.",
+    )
+    roof_motion: RoofMotion | None = Field(
+        default=None, description="Prescribed motion of the roof; none if left out."
+    )
+
+    @model_validator(mode="after")
+    def _check_stages(self) -> Pantograph:
+        problems = [
+            Problem(
+                ("stages", index, "stiffness"),
+                "got 0 N/m; only the lowest stage may stand on a spring without stiffness",
+            )
+            for index, stage in enumerate(self.stages[:-1])
+            if stage.stiffness == 0.0
+        ]
+        if self.force_stage is not None and self.force_stage > len(self.stages):
+            problems.append(
+                Problem(
+                    ("force_stage",),
+                    f"got {self.force_stage}; the pantograph has {len(self.stages)} stages, "
+                    "1 being the head",
+                )
+            )
+        refuse(problems)
+        return self
+
+    def uplift_force(self, speed: float) -> float:
+        """Return static_force + aerodynamic * speed^2 [N] at a speed in m/s."""
+        return self.static_force + self.aerodynamic * speed**2
+
+    def lifted_stage(self) -> int:
+        """Return the 0-based index of the stage on which the uplift force acts."""
+        return len(self.stages) - 1 if self.force_stage is None else self.force_stage - 1

@@ -1,0 +1,114 @@
+"""How to compute: contact, mesh, time integration, analysed section."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+
+Method = Literal["newmark", "hht"]
+SpanNumber = Annotated[int, Field(ge=1, strict=True)]
+HHT_ALPHA = -0.05
+
+
+class Integrator(Spec):
+    """Time integration: Newmark (average acceleration) or HHT-alpha."""
+
+    method: Method = Field(
+        default="newmark",
+        description="'newmark' (gamma 1/2, beta 1/4) or 'hht' (damps frequencies that the time "
+        "step does not resolve).",
+    )
+    alpha: Annotated[float, Quantity("", ge=-1.0 / 3.0, le=0.0, typical="-0.05")] = Field(
+        default=0.0, description="Parameter of 'hht', -1/3 to 0; 0 is Newmark."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_alpha(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("method") == "hht" and "alpha" not in data:
+            return {**data, "alpha": HHT_ALPHA}
+        return data
+
+    @model_validator(mode="after")
+    def _check_alpha(self) -> Integrator:
+        if self.method == "newmark" and self.alpha != 0.0:
+            refuse([Problem(("alpha",), f"got {self.alpha:g}; it belongs to 'method: hht' only")])
+        return self
+
+
+def _integrator_from_word(value: Any) -> Any:
+    return {"method": value} if isinstance(value, str) else value
+
+
+class Settings(Spec):
+    """Numerical choices; every one is recorded in the results."""
+
+    contact_stiffness: Annotated[
+        float, Quantity("N/m", gt=0.0, le=1e9, typical="50 to 200 kN/m")
+    ] = Field(description="Stiffness of the penalty contact between head and wire.")
+    nodes_between_droppers: Annotated[
+        int, Field(ge=2, le=200, strict=True), Typical("9; 15 for high frequencies")
+    ] = Field(
+        default=9,
+        description="Nodes from one attachment point (dropper, support) to the next, both counted.",
+    )
+    time_step: Annotated[float, Quantity("s", gt=0.0, le=0.1, typical="1 ms")] = Field(
+        default=1e-3, description="Constant time step."
+    )
+    section: tuple[SpanNumber, SpanNumber] | None = Field(
+        default=None,
+        description="First and last span of the analysed section, [first, last]. If left out, up "
+        "to 3 spans at the start and 4 at the end of the line are not analysed.",
+    )
+    elasticity_force: Annotated[float, Quantity("N", gt=0.0, le=1e4, typical="100 N")] = Field(
+        default=100.0, description="Vertical force at which the elasticity is evaluated."
+    )
+    integrator: Annotated[
+        Integrator,
+        BeforeValidator(_integrator_from_word, json_schema_input_type=Method | Integrator),
+    ] = Field(
+        default=Integrator(),
+        description="Time integration: 'newmark', 'hht' or {method: hht, alpha: -0.05}.",
+    )
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1, strict=True), Typical("0")] = Field(
+        default=0, description="Seed of everything random."
+    )
+    tolerance: Annotated[float, Quantity("m", gt=0.0, le=1e-3, typical="1e-7 m")] = Field(
+        default=1e-7, description="Largest displacement increment of a converged time step."
+    )
+    start: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="5 m")] = Field(
+        default=5.0,
+        description="Distance from the anchor at which the leading pantograph starts.",
+    )
+    ramp: Annotated[float, Quantity("s", ge=0.0, le=100.0, typical="0.5 s")] = Field(
+        default=0.5, description="Time over which the uplift force grows from 0 to its value."
+    )
+    filter: Literal["sharp", "butterworth"] = Field(
+        default="sharp",
+        description="Low-pass of the headline figures; both are always evaluated and named.",
+    )
+    filter_order: Annotated[int, Field(ge=1, le=12, strict=True), Typical("6")] = Field(
+        default=6, description="Order of the Butterworth filter, applied forward and backward."
+    )
+    store_shapes: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="Store the full shape of both wires over time."
+    )
+    backend: Literal["auto", "native", "reference"] = Field(
+        default="auto", description="Kernels to compute with; 'auto' takes the fastest available."
+    )
+
+    @model_validator(mode="after")
+    def _check_section(self) -> Settings:
+        if self.section is not None and self.section[0] > self.section[1]:
+            refuse(
+                [
+                    Problem(
+                        ("section",),
+                        f"got [{self.section[0]}, {self.section[1]}]; write [first, last] span",
+                    )
+                ]
+            )
+        return self

@@ -1,0 +1,192 @@
+"""Supports: where the wires are held, and by what."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, form_of, refuse
+
+Height = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.08 to 5.5 m")]
+Encumbrance = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="1.2 to 1.8 m")]
+Stagger = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0.2 to 0.3 m")]
+Coordinate = Annotated[float, Quantity("m", ge=-100.0, le=100.0)]
+Values = tuple[float, ...]
+LIKE_CONTACT = "contact"
+
+HeightPerSupport = Annotated[
+    Annotated[Height, Tag(SCALAR)] | Annotated[tuple[Height, ...], Tag(LIST)],
+    Discriminator(form_of),
+]
+EncumbrancePerSupport = Annotated[
+    Annotated[Encumbrance, Tag(SCALAR)] | Annotated[tuple[Encumbrance, ...], Tag(LIST)],
+    Discriminator(form_of),
+]
+StaggerPerSupport = Annotated[
+    Annotated[Stagger, Tag(SCALAR)] | Annotated[tuple[Stagger, ...], Tag(LIST)],
+    Discriminator(form_of),
+]
+
+
+def _form_of_messenger_stagger(value: object) -> str:
+    return LIKE_CONTACT if value == LIKE_CONTACT else form_of(value)
+
+
+class Arm(Spec):
+    """A steady arm: a bar with mass, hinged at its far end, on the pulling side of the wire."""
+
+    length: Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.9 to 1.3 m")] = Field(
+        default=1.22, description="Distance from the far hinge to the contact wire, unstrained."
+    )
+    mass: Annotated[float, Quantity("kg/m", ge=0.0, le=20.0, typical="0.7 to 0.8 kg/m")] = Field(
+        default=0.73, description="Mass per length; half the weight rests on the contact wire."
+    )
+    axial_stiffness: Annotated[float, Quantity("N", gt=0.0, le=1e10, typical="17 MN")] = Field(
+        default=17e6, description="Axial stiffness EA."
+    )
+    angle: Annotated[float, Quantity("rad", gt=-1.5, lt=1.5, typical="10 deg")] | None = Field(
+        default=None,
+        description="Closure 'arm' only: inclination that places the far end as seen from the "
+        "nominal wire point (contact height and stagger), positive when the far end is higher.",
+    )
+
+
+class SupportSpring(Spec):
+    """A vertical spring under the contact wire in place of a steady arm (closure 'spring').
+
+    It is preloaded so that the wire lies at the contact height.
+    """
+
+    stiffness: Annotated[float, Quantity("N/m", ge=0.0, le=1e9, typical="200 to 300 N/m")] = Field(
+        description="Vertical stiffness."
+    )
+    mass: Annotated[float, Quantity("kg", ge=0.0, le=100.0, typical="0 to 1 kg")] = Field(
+        default=0.0, description="Mass that moves with the wire."
+    )
+    damping: Annotated[float, Quantity("N s/m", ge=0.0, le=1e6, typical="0")] = Field(
+        default=0.0, description="Vertical damping."
+    )
+
+
+class Supports(Spec):
+    """The supports, numbered from 1 (left anchor) to spans + 1 (right anchor).
+
+    The first and the last hold the wire ends and carry neither steady arm nor messenger spring.
+    Lists have one value per support, both anchors included.
+    """
+
+    contact_height: HeightPerSupport = Field(
+        default=5.3, description="Height of the contact wire at the supports, above the rails."
+    )
+    encumbrance: EncumbrancePerSupport = Field(
+        description="Height of the messenger wire above the contact wire at the supports."
+    )
+    contact_stagger: StaggerPerSupport = Field(
+        default=0.0,
+        description="Lateral position of the contact wire. A single value s alternates: +s at "
+        "support 1, -s at support 2, and so on.",
+    )
+    messenger_stagger: Annotated[
+        Annotated[Literal["contact"], Tag(LIKE_CONTACT)]
+        | Annotated[Stagger, Tag(SCALAR)]
+        | Annotated[tuple[Stagger, ...], Tag(LIST)],
+        Discriminator(_form_of_messenger_stagger),
+    ] = Field(
+        default=LIKE_CONTACT,
+        description="Lateral position of the messenger wire, in the same forms, or 'contact': "
+        "above the contact wire.",
+    )
+    closure: Literal["height", "lift", "arm", "spring"] = Field(
+        description="What is known about the contact wire at the supports: 'height' (its height; "
+        "the arm is placed accordingly), 'lift' (the vertical force of the arm), 'arm' (the far "
+        "end of the arm), or 'spring' (a preloaded vertical spring in place of the arm)."
+    )
+    lift: Annotated[float, Quantity("N", ge=-1e4, le=1e4, typical="0 to 60 N")] = Field(
+        default=0.0,
+        description="Closure 'lift': vertical force of the arm on the wire, its own half weight "
+        "deducted; 0 lets the wire hang free.",
+    )
+    arm: Arm = Field(default=Arm(), description="Steady arm, the same at every support.")
+    arm_end_y: tuple[Coordinate | None, ...] | None = Field(
+        default=None,
+        description="Closure 'arm': lateral position of the far end of each arm, instead of "
+        "arm.angle; null at the anchors.",
+    )
+    arm_end_z: tuple[Coordinate | None, ...] | None = Field(
+        default=None,
+        description="Closure 'arm': height above the rails of the far end of each arm; null at "
+        "the anchors.",
+    )
+    spring: SupportSpring | None = Field(
+        default=None, description="Closure 'spring': the spring at every support."
+    )
+    clamp: Annotated[float, Quantity("kg", ge=0.0, le=20.0, typical="0 to 0.5 kg")] = Field(
+        default=0.0, description="Mass of the steady-arm clamp on the contact wire."
+    )
+    messenger_stiffness: Annotated[float, Quantity("N/m", gt=0.0, le=1e12, typical="500 kN/m")] = (
+        Field(default=5e5, description="Vertical stiffness of the messenger-wire support.")
+    )
+    messenger_damping: Annotated[float, Quantity("N s/m", ge=0.0, le=1e9, typical="1000 N s/m")] = (
+        Field(default=1e3, description="Vertical damping of the messenger-wire support.")
+    )
+    messenger_longitudinal: Literal["free", "fixed"] = Field(
+        default="free",
+        description="Whether the messenger-wire supports swing freely along the track (hinged "
+        "cantilevers) or hold the wire there after the static shape is found.",
+    )
+
+    @model_validator(mode="after")
+    def _check_closure(self) -> Supports:
+        problems = []
+        if self.closure == "spring" and self.spring is None:
+            problems.append(
+                Problem(
+                    ("spring",),
+                    "is missing: closure 'spring' needs it, for example "
+                    "'spring: {stiffness: 300 N/m}'",
+                )
+            )
+        if (self.arm_end_y is None) != (self.arm_end_z is None):
+            given = "arm_end_y" if self.arm_end_z is None else "arm_end_z"
+            problems.append(
+                Problem((given,), "arm_end_y and arm_end_z belong together: give both or neither")
+            )
+        elif self.closure == "arm" and self.arm_end_y is None and self.arm.angle is None:
+            problems.append(
+                Problem(
+                    ("arm", "angle"),
+                    "is missing: closure 'arm' needs arm.angle (for example '10 deg'), or "
+                    "arm_end_y and arm_end_z for every support",
+                )
+            )
+        refuse(problems)
+        return self
+
+    def contact_heights(self, supports: int) -> Values:
+        """Return the contact height [m] at each of the supports."""
+        return _per_support(self.contact_height, supports)
+
+    def encumbrances(self, supports: int) -> Values:
+        """Return the encumbrance [m] at each of the supports."""
+        return _per_support(self.encumbrance, supports)
+
+    def contact_staggers(self, supports: int) -> Values:
+        """Return the stagger of the contact wire [m] at each of the supports."""
+        return _alternating(self.contact_stagger, supports)
+
+    def messenger_staggers(self, supports: int) -> Values:
+        """Return the stagger of the messenger wire [m] at each of the supports."""
+        if isinstance(self.messenger_stagger, str):
+            return self.contact_staggers(supports)
+        return _alternating(self.messenger_stagger, supports)
+
+
+def _per_support(value: float | Values, supports: int) -> Values:
+    return value if isinstance(value, tuple) else (value,) * supports
+
+
+def _alternating(value: float | Values, supports: int) -> Values:
+    if isinstance(value, tuple):
+        return value
+    return tuple(value if number % 2 == 0 else -value for number in range(supports))
