@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 
 class TautwireError(Exception):
@@ -30,4 +31,16 @@ class ModelError(TautwireError):
 
 
 class ConvergenceError(TautwireError):
-    """An iteration did not reach its tolerance; no result is returned."""
+    """An iteration did not reach its tolerance.
+
+    Parameters
+    ----------
+    message
+        What happened, where, and what to try.
+    partial
+        What had been computed until then, when that is worth keeping.
+    """
+
+    def __init__(self, message: str, partial: Any = None) -> None:
+        super().__init__(message)
+        self.partial = partial

@@ -161,10 +161,9 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     inner = mesh.support_station[1:-1]
     spec = model.case.supports
     lift = reactions[inner, MESSENGER, 2]
-    contact_free = np.full(len(inner), np.nan)
+    preloads = np.zeros(len(inner))
     if spec.closure == "spring":
-        pull = reactions[inner, CONTACT, 2]
-        contact_free = nodes[inner, CONTACT, 0, 2] + pull / spec.spring.stiffness
+        preloads = reactions[inner, CONTACT, 2]
     wires = (model.case.wires.contact, model.case.wires.messenger)
     return Equilibrium(
         position=system.position,
@@ -184,7 +183,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
         arm_angles=arms.angles,
         arm_ends=arms.ends,
         messenger_free_heights=nodes[inner, MESSENGER, 0, 2] + lift / spec.messenger_stiffness,
-        contact_free_heights=contact_free,
+        contact_preloads=preloads,
         end_pulls=np.array([reactions[0, :, 0], [w.tension for w in wires]]),
         weight=_weight(model, form),
         reaction=_vertical_reaction(model, form, arms),

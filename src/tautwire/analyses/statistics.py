@@ -22,13 +22,7 @@ from tautwire.results.statistics import (
     UpliftStatistics,
 )
 from tautwire.signals.bands import BANDS, band_name, band_standard_deviations
-from tautwire.signals.filters import (
-    Butterworth,
-    Lowpass,
-    SharpLowpass,
-    is_uniform,
-    resample_uniform,
-)
+from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass, evenly_spaced
 
 Array = NDArray[np.float64]
 
@@ -101,10 +95,8 @@ def uniform_force(run: Run, name: str) -> ForceRecord:
     ForceRecord
     """
     record = run.contact_force(name)
-    if record.time.size < 2 or is_uniform(record.time):
-        return record
     columns = np.column_stack([record.position, record.force])
-    time, values = resample_uniform(record.time, columns, run.case.settings.time_step)
+    time, values = evenly_spaced(record.time, columns, run.case.settings.time_step)
     return ForceRecord(time, values[:, 0], values[:, 1])
 
 

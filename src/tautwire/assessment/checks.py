@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from tautwire.assessment.limits import Limit, Limits, known_system, load_limits
-from tautwire.assessment.wave_quantities import wave_speed
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 
@@ -132,8 +131,7 @@ def _values(
     if quantity == "uplift":
         yield None, statistics.uplift.maximum, math.nan
     elif quantity == "wave_speed_ratio":
-        wire = case.wires.contact
-        yield None, case.scenario.speed / wave_speed(wire.tension, wire.mass), math.nan
+        yield None, case.scenario.speed / case.wires.contact.wave_speed(), math.nan
     else:
         for entry in statistics.pantographs:
             yield entry.name, _pantograph_value(quantity, entry), entry.headline.mean

@@ -13,17 +13,6 @@ from typing import Any
 from tautwire.specs.case import Case
 
 
-def wave_speed(tension: float, mass: float) -> float:
-    """Return the wave speed ``sqrt(T / m)`` of a string [m/s].
-
-    Parameters
-    ----------
-    tension : float N
-    mass : float kg/m
-    """
-    return math.sqrt(tension / mass)
-
-
 def doppler_factor(speed: float, wave: float) -> float:
     """Return the Doppler factor ``(c - v) / (c + v)``.
 
@@ -78,11 +67,6 @@ def midspan_elasticity(
     return span_length / (factor * (contact_tension + messenger_tension))
 
 
-def passing_frequency(speed: float, length: float) -> float:
-    """Return how often something spaced by `length` [m] is passed at `speed` [m/s], in Hz."""
-    return speed / length
-
-
 @dataclass(frozen=True)
 class WaveQuantity:
     """One line of the wave-quantity sheet.
@@ -126,12 +110,12 @@ def wave_quantities(case: Case) -> tuple[WaveQuantity, ...]:
 
 def _wave_rows(case: Case) -> list[WaveQuantity]:
     contact, messenger, speed = case.wires.contact, case.wires.messenger, case.scenario.speed
-    wave = wave_speed(contact.tension, contact.mass)
+    wave = contact.wave_speed()
     reflection = reflection_coefficient(
         contact.tension, contact.mass, messenger.tension, messenger.mass
     )
     doppler = doppler_factor(speed, wave)
-    messenger_wave = wave_speed(messenger.tension, messenger.mass)
+    messenger_wave = messenger.wave_speed()
     amplification = amplification_factor(reflection, doppler)
     return [
         WaveQuantity("wave speed of the contact wire", wave, "m/s", "c = sqrt(T/m)"),
@@ -178,13 +162,12 @@ def _passing_rows(case: Case) -> list[WaveQuantity]:
     speed = case.scenario.speed
     rows = []
     for name, length in passing_lengths(case).items():
-        frequency = passing_frequency(speed, length)
-        rows.append(WaveQuantity(f"passing of the {name}", frequency, "Hz", f"v/{length:g} m"))
+        rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
     element = _shortest_element(case)
     rows.append(
         WaveQuantity(
             "passing of the shortest element (numerical)",
-            passing_frequency(speed, element),
+            speed / element,
             "Hz",
             f"v/{element:g} m",
         )

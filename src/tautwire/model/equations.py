@@ -73,8 +73,11 @@ def _static_loads(model: Model, shape: Equilibrium) -> Array:
     load[:, :, 2] -= (model.form.system.node_mass * case.line.gravity).reshape(-1, 2)
     load[0, :, 0] += shape.end_pulls[0]
     load[-1, :, 0] += shape.end_pulls[1]
-    if case.supports.closure != "spring":
-        load[mesh.support_station[1:-1], CONTACT, 2] -= arm_half_weight(case)
+    inner = mesh.support_station[1:-1]
+    if case.supports.closure == "spring":
+        load[inner, CONTACT, 2] += shape.contact_preloads
+    else:
+        load[inner, CONTACT, 2] -= arm_half_weight(case)
     return load.ravel()
 
 
@@ -91,7 +94,11 @@ def _arms(model: Model, shape: Equilibrium) -> dict[str, Any]:
 
 
 def _springs(model: Model, shape: Equilibrium) -> dict[str, Any]:
-    """Return the grounded springs: messenger-wire supports, spring supports of the contact wire."""
+    """Return the grounded springs: messenger-wire supports, spring supports of the contact wire.
+
+    The preload of the latter is a load; the spring itself counts from the static height, which
+    includes springs without stiffness (constant-force supports).
+    """
     spec, mesh = model.case.supports, model.mesh
     dofs = [6 * interior_support_nodes(mesh, MESSENGER) + 2]
     stiffness = [np.full(len(dofs[0]), spec.messenger_stiffness)]
@@ -101,7 +108,7 @@ def _springs(model: Model, shape: Equilibrium) -> dict[str, Any]:
         dofs.append(6 * interior_support_nodes(mesh, CONTACT) + 2)
         stiffness.append(np.full(len(dofs[1]), spec.spring.stiffness))
         damping.append(np.full(len(dofs[1]), spec.spring.damping))
-        free.append(shape.contact_free_heights)
+        free.append(shape.support_heights[1:-1])
     return {
         "spring_dofs": np.concatenate(dofs),
         "spring_stiffness": np.concatenate(stiffness),

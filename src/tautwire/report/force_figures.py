@@ -12,6 +12,7 @@ from tautwire.report import style
 from tautwire.report.packing import thinned
 from tautwire.report.views import WIDE_CUTOFF, RunView, Series, series
 from tautwire.results.run import Run
+from tautwire.results.statistics import FilteredStatistics
 from tautwire.signals.spectra import PassingLine, Spectrum, amplitude_spectrum, passing_lines
 
 if TYPE_CHECKING:
@@ -32,22 +33,19 @@ def force_figure(views: Sequence[RunView]) -> go.Figure:
 
     first, shown = views[0], series(views)
     single = len(shown) == 1
-    figure = go.Figure(layout=style.layout(480))
+    figure = go.Figure(layout=style.layout(480, top=76))
     for item in shown:
         if not item.force.is_empty:
-            _add_force_curves(figure, item, single)
-    for item in shown:
-        _add_losses(figure, item)
+            _add_force_curves(figure, item, single=single)
+    _add_losses(figure, shown)
     add_line_marks(figure, first.run, first.section)
     figure.update_layout(
         xaxis=style.axis("position along the track [m]", showgrid=False, range=_opening(first)),
         yaxis=style.axis(
             "contact force [N]", zeroline=True, zerolinecolor=style.SOFT, rangemode="tozero"
         ),
-        margin={"t": 76},
-        legend={"y": 1.09},
     )
-    return figure
+    return style.fit_legend(figure)
 
 
 def _opening(view: RunView) -> list[float]:
@@ -57,51 +55,66 @@ def _opening(view: RunView) -> list[float]:
     return [start - margin, end + margin]
 
 
-def _add_force_curves(figure: go.Figure, item: Series, single: bool) -> None:
-    """Add the three curves of one pantograph; of several series only the filtered ones show."""
+def _add_force_curves(figure: go.Figure, item: Series, *, single: bool) -> None:
+    """Add the three curves of one pantograph.
+
+    Of several series only the filtered curves show at first; one entry of the legend switches
+    all unfiltered ones, another all up to 200 Hz.
+    """
     look, force, cutoff = style.look(item.number), item.force, item.view.lowpass.cutoff
+    raw = {"color": style.RAW if single else look.colour, "width": 1 if single else 0.7}
+    wide = {"color": style.WIDE if single else look.colour, "width": 1.1}
     curves: list[tuple[str, Array | None, dict[str, Any], bool]] = [
-        ("unfiltered", force.raw, {"color": style.RAW, "width": 1}, single),
-        (
-            f"0-{WIDE_CUTOFF:g} Hz",
-            force.wide,
-            {"color": style.WIDE if single else look.colour, "width": 1.1},
-            False,
-        ),
-        (
-            f"0-{cutoff:g} Hz",
-            force.low,
-            {"color": look.colour, "width": 2.2, "dash": look.dash},
-            True,
-        ),
+        ("unfiltered", force.raw, raw, single),
+        (f"0–{WIDE_CUTOFF:g} Hz", force.wide, wide, False),
     ]
     for name, values, line, is_shown in curves:
-        if values is None:
-            continue
-        kept = thinned(values)
-        figure.add_scatter(
-            x=force.position[kept].astype(np.float32),
-            y=values[kept].astype(np.float32),
-            name=item.named(name),
-            mode="lines",
-            line=line,
-            visible=True if is_shown else "legendonly",
-            hovertemplate="%{y:.0f} N",
-        )
+        if values is not None:
+            _add_curve(
+                figure,
+                force.position,
+                values,
+                name=name,
+                line=line,
+                legendgroup=name,
+                showlegend=item.number == 0,
+                visible=True if is_shown else "legendonly",
+            )
+    line = {"color": look.colour, "width": 2.2, "dash": look.dash}
+    name = item.named(f"0–{cutoff:g} Hz")
+    _add_curve(figure, force.position, force.low, name=name, line=line)
 
 
-def _add_losses(figure: go.Figure, item: Series) -> None:
-    events = item.view.statistics.pantographs[item.view.forces.index(item.force)].contact_loss
-    if not events.events:
+def _add_curve(figure: go.Figure, position: Array, force: Array, **more: Any) -> None:
+    kept = thinned(force)
+    figure.add_scatter(
+        x=position[kept].astype(np.float32),
+        y=force[kept].astype(np.float32),
+        mode="lines",
+        hovertemplate="%{y:.0f} N",
+        **more,
+    )
+
+
+def _add_losses(figure: go.Figure, shown: Sequence[Series]) -> None:
+    """Mark the losses of contact of all series on the zero line."""
+    found = [
+        (event, item.named(""))
+        for item in shown
+        for event in item.view.statistics.pantographs[
+            item.view.forces.index(item.force)
+        ].contact_loss.events
+    ]
+    if not found:
         return
     figure.add_scatter(
-        x=[event.position for event in events.events],
-        y=[0.0] * events.count,
+        x=[event.position for event, _ in found],
+        y=[0.0] * len(found),
         mode="markers",
-        name=item.named("contact loss"),
+        name="contact loss",
         marker={"symbol": "x", "size": 9, "color": style.SLACK, "line": {"width": 1}},
-        text=[f"{1e3 * e.duration:.1f} ms at {e.place}" for e in events.events],
-        hovertemplate="loss of %{text}",
+        text=[f"{1e3 * e.duration:.1f} ms at {e.place} {who}" for e, who in found],
+        hovertemplate="%{text}",
     )
 
 
@@ -144,11 +157,12 @@ def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
     import plotly.graph_objects as go
 
     shown = series(views)
-    figure = go.Figure(layout=style.layout(430))
+    figure, peaks = go.Figure(layout=style.layout(430, top=76)), []
     for item in shown:
         spectrum = section_spectrum(item)
         if spectrum is None:
             continue
+        peaks.append(float(spectrum.value[1:].max()))
         look = style.look(item.number)
         kept = spectrum.abscissa <= HIGHEST
         figure.add_scatter(
@@ -163,14 +177,20 @@ def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
     speeds = {view.run.case.scenario.speed for view in views}
     figure.update_layout(
         xaxis=style.axis("frequency [Hz]", range=[0, 50]),
-        yaxis=style.axis("amplitude [N]", type="log", dtick=1, exponentformat="power"),
-        margin={"t": 84},
-        legend={"y": 1.14},
+        yaxis=style.axis(
+            "amplitude [N]", type="log", dtick=1, exponentformat="none", range=_decades(peaks)
+        ),
     )
     if len(speeds) == 1:
         _add_passing_lines(figure, passings(views[0]))
         _add_wavelength_axis(figure, speeds.pop())
-    return figure
+    return style.fit_legend(figure)
+
+
+def _decades(peaks: Sequence[float]) -> list[float]:
+    """Return the limits of the logarithmic axis: three and a half decades below the peak."""
+    top = float(np.log10(max([*peaks, 1e-6]))) + 0.25
+    return [top - 3.75, top]
 
 
 def section_spectrum(item: Series) -> Spectrum | None:
@@ -213,9 +233,7 @@ def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
     heights = {"span": 0.99, "droppers": 0.99, "support to dropper": 0.92}
     for line in lines:
         name = line.name if line.order == 1 else f"{line.name} / {line.order}"
-        figure.add_vline(
-            x=line.frequency, line={"color": style.SOFT, "width": 1, "dash": "dot"}
-        )
+        figure.add_vline(x=line.frequency, line={"color": style.SOFT, "width": 1, "dash": "dot"})
         figure.add_annotation(
             x=line.frequency,
             y=heights[line.name],
@@ -257,41 +275,59 @@ def histogram_figure(views: Sequence[RunView]) -> go.Figure:
     import plotly.graph_objects as go
 
     shown = series(views)
-    figure = go.Figure(layout=style.layout(330, hovermode="closest", barmode="group"))
+    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest", barmode="group"))
     for item in shown:
         headline = _headline(item)
-        edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
-        if not share.size:
-            continue
-        look, width = style.look(item.number), float(edges[1] - edges[0])
-        figure.add_bar(
-            x=edges[:-1] + 0.5 * width,
-            y=share,
-            name=item.label or "simulated",
-            marker={"color": look.colour, "pattern": {"shape": look.pattern, "solidity": 0.25}},
-            hovertemplate="%{x:.0f} N: %{y:.1f} %<extra></extra>",
-        )
-        force = np.linspace(edges[0] - 2 * width, edges[-1] + 2 * width, 160)
-        reduced = (force - headline.mean) / max(headline.standard_deviation, 1e-9)
-        normal = np.exp(-0.5 * reduced**2) / np.sqrt(2 * np.pi)
-        figure.add_scatter(
-            x=force.astype(np.float32),
-            y=(100 * width * normal / max(headline.standard_deviation, 1e-9)).astype(np.float32),
-            mode="lines",
-            name=item.named("normal") if item.label else "normal, same mean and σ",
-            line={"color": look.colour, "width": 1.6, "dash": "dot"},
-            hoverinfo="skip",
-        )
+        if headline.histogram.share.size:
+            (_add_bars if len(shown) == 1 else _add_outline)(figure, item, headline)
     figure.update_layout(
         xaxis=style.axis("contact force [N]", showgrid=False),
         yaxis=style.axis("share of time [%]", rangemode="tozero"),
         bargap=0.15,
-        margin={"t": 46},
     )
-    return figure
+    return style.fit_legend(figure, 380)
 
 
-def _headline(item: Series) -> Any:
+def _add_bars(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+    """Draw the distribution of a single series as bars, with the normal one."""
+    edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
+    look, width = style.look(item.number), float(edges[1] - edges[0])
+    figure.add_bar(
+        x=edges[:-1] + 0.5 * width,
+        y=share,
+        name="simulated",
+        marker=style.filling(look),
+        hovertemplate="%{x:.0f} N: %{y:.1f} %<extra></extra>",
+    )
+    deviation = max(headline.standard_deviation, 1e-9)
+    force = np.linspace(edges[0] - 2 * width, edges[-1] + 2 * width, 160)
+    normal = np.exp(-0.5 * ((force - headline.mean) / deviation) ** 2) / np.sqrt(2 * np.pi)
+    figure.add_scatter(
+        x=force.astype(np.float32),
+        y=(100 * width * normal / deviation).astype(np.float32),
+        mode="lines",
+        name="normal, same mean and σ",
+        line={"color": style.SLACK, "width": 1.8, "dash": "dot"},
+        hoverinfo="skip",
+    )
+
+
+def _add_outline(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+    """Draw the distribution of one of several series as a line through the classes."""
+    edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
+    look, middle = style.look(item.number), 0.5 * (edges[:-1] + edges[1:])
+    figure.add_scatter(
+        x=middle,
+        y=share,
+        mode="lines+markers",
+        name=item.label,
+        line={"color": look.colour, "width": 1.8, "dash": look.dash},
+        marker={"symbol": look.symbol, "size": 6},
+        hovertemplate="%{x:.0f} N: %{y:.1f} %",
+    )
+
+
+def _headline(item: Series) -> FilteredStatistics:
     """Return the headline statistics of a series."""
     index = item.view.forces.index(item.force)
     return item.view.statistics.pantographs[index].headline
@@ -302,14 +338,12 @@ def spans_figure(views: Sequence[RunView]) -> go.Figure:
     import plotly.graph_objects as go
 
     shown = series(views)
-    figure = go.Figure(layout=style.layout(330, hovermode="closest"))
+    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest"))
     for item in shown:
         rows, look = _headline(item).per_span, style.look(item.number)
         span = np.array([row.span for row in rows], dtype=float)
         span += 0.14 * (item.number - 0.5 * (len(shown) - 1))
-        numbers = np.array(
-            [(r.mean, r.standard_deviation, r.maximum, r.minimum) for r in rows]
-        ).T
+        numbers = np.array([(r.mean, r.standard_deviation, r.maximum, r.minimum) for r in rows]).T
         mean, deviation, highest, lowest = numbers
         common: dict[str, Any] = {"legendgroup": item.label, "x": span}
         figure.add_scatter(
@@ -342,6 +376,5 @@ def spans_figure(views: Sequence[RunView]) -> go.Figure:
     figure.update_layout(
         xaxis=style.axis("span", showgrid=False, dtick=1),
         yaxis=style.axis("contact force [N]", zeroline=True, zerolinecolor=style.SOFT),
-        margin={"t": 46},
     )
-    return figure
+    return style.fit_legend(figure, 380)

@@ -34,16 +34,13 @@ def line_figure(view: RunView) -> go.Figure:
     _add_side_view(figure, shape)
     _add_sag(figure, shape)
     _add_plan(figure, shape)
-    figure.update_layout(
-        style.layout(640, hovermode="closest", margin={"l": 76, "r": 16, "t": 60, "b": 52}),
-        legend={"y": 1.05},
-    )
+    figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.support_x}
-    figure.update_xaxes(**style.axis(""), **x, showticklabels=False, range=_opening(view))
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
     figure.update_xaxes(
         ticktext=[f"{n}<br>{p:g} m" for n, p in enumerate(shape.support_x.round(2), 1)],
         showticklabels=True,
-        title={"text": "support, position along the track", "standoff": 6},
+        title={"text": "support and position along the track", "standoff": 14},
         row=3,
         col=1,
     )
@@ -165,57 +162,49 @@ def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
         _add_wire(figure, wire[:, 0], 1e3 * wire[:, 1], name, line, row=3, text="y = %{y:.1f} mm")
     if shape.arm_supports.size:
         foot_x = shape.support_x[shape.arm_supports - 1]
-        foot_y = np.interp(
-            foot_x, shape.contact_position[:, 0], 1e3 * shape.contact_position[:, 1]
-        )
+        foot_y = np.interp(foot_x, shape.contact_position[:, 0], 1e3 * shape.contact_position[:, 1])
         ends = (shape.arm_ends[:, 0], 1e3 * shape.arm_ends[:, 1])
         _add_segments(figure, (foot_x, foot_y), ends, "steady arms", 3)
 
 
 def uplift_figure(views: Sequence[RunView]) -> go.Figure:
-    """Draw the largest uplift of the contact wire at every support."""
+    """Draw the largest uplift of the contact wire at every support, pale outside the section."""
     import plotly.graph_objects as go
 
-    figure = go.Figure(layout=style.layout(330, hovermode="closest", barmode="group"))
-    many = len(views) > 1
+    figure = go.Figure(
+        layout=style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25)
+    )
     for number, view in enumerate(views):
-        uplift = view.run.support_uplift
+        uplift, inside = view.run.support_uplift, view.statistics.uplift
         supports = np.arange(1, uplift.shape[1] + 1)
         highest = 1e3 * uplift.max(axis=0) if uplift.shape[0] else np.full(supports.size, np.nan)
-        inside = view.statistics.uplift
         highest[inside.supports - 1] = 1e3 * inside.uplift
-        is_inside = np.isin(supports, inside.supports)
-        look = style.look(number)
-        for name, chosen, opacity in (
-            ("analysed section", is_inside, 1.0),
-            ("outside it", ~is_inside, 0.35),
-        ):
-            figure.add_bar(
-                x=supports[chosen],
-                y=highest[chosen],
-                name=f"{view.label}, {name}" if many else name,
-                offsetgroup=str(number),
-                marker={
-                    "color": look.colour,
-                    "opacity": opacity,
-                    "pattern": {"shape": look.pattern, "solidity": 0.25},
-                },
-                hovertemplate="support %{x}: %{y:.1f} mm<extra></extra>",
-            )
+        figure.add_bar(
+            x=supports,
+            y=highest,
+            name=view.label,
+            showlegend=len(views) > 1,
+            marker=style.filling(style.look(number))
+            | {"opacity": np.where(np.isin(supports, inside.supports), 1.0, 0.35)},
+            hovertemplate="support %{x}: %{y:.1f} mm",
+        )
     figure.update_layout(
-        xaxis=style.axis("support", showgrid=False, dtick=1),
+        xaxis=style.axis("support", showgrid=False, dtick=_every(views[0])),
         yaxis=style.axis("largest uplift [mm]", rangemode="tozero"),
-        bargap=0.3,
-        margin={"t": 46},
     )
-    return figure
+    return style.fit_legend(figure, 380)
+
+
+def _every(view: RunView) -> int:
+    """Return the step between numbered supports that leaves room for their numbers."""
+    return max(1, view.run.case.line.spans // 17)
 
 
 def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
     """Draw the uplift over time at the support of the section where it is largest."""
     import plotly.graph_objects as go
 
-    figure = go.Figure(layout=style.layout(330))
+    figure = go.Figure(layout=style.layout(330, top=40))
     for number, view in enumerate(views):
         support = highest_support(view)
         if support is None or view.run.time.size < 2:
@@ -235,9 +224,8 @@ def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
     figure.update_layout(
         xaxis=style.axis("time [s]", showgrid=False),
         yaxis=style.axis("uplift [mm]", zeroline=True, zerolinecolor=style.SOFT),
-        margin={"t": 46},
     )
-    return figure
+    return style.fit_legend(figure, 380)
 
 
 def highest_support(view: RunView) -> int | None:
@@ -253,7 +241,7 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
     import plotly.graph_objects as go
 
     first = views[0]
-    figure = go.Figure(layout=style.layout(340))
+    figure = go.Figure(layout=style.layout(350, top=76))
     wire = first.run.equilibrium.contact_position
     figure.add_scatter(
         x=wire[:, 0].astype(np.float32),
@@ -266,20 +254,18 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
     number = 0
     for view in views:
         for record in view.run.pantographs:
-            _add_height(figure, view, record.name, number, len(views) > 1)
+            _add_height(figure, view, record.name, number, many=len(views) > 1)
             number += 1
     add_line_marks(figure, first.run, first.section)
     start, end = first.section
     figure.update_layout(
         xaxis=style.axis("position along the track [m]", showgrid=False, range=[start, end]),
         yaxis=style.axis("height [m]"),
-        margin={"t": 76},
-        legend={"y": 1.13},
     )
-    return figure
+    return style.fit_legend(figure)
 
 
-def _add_height(figure: go.Figure, view: RunView, name: str, number: int, many: bool) -> None:
+def _add_height(figure: go.Figure, view: RunView, name: str, number: int, *, many: bool) -> None:
     record, look = view.run.pantograph(name), style.look(number)
     position, height = record.position[record.active], record.wire_height[record.active]
     if not height.size:
@@ -309,13 +295,10 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
     room = float(gaps.min()) if gaps.size else 5.0
     for number, view in enumerate(views):
         shift = room * 0.8 * ((number + 0.5) / len(views) - 0.5)
-        _add_droppers(figure, view, number, shift, 0.62 * room / len(views), len(views) > 1)
-    figure.update_layout(
-        style.layout(470, hovermode="closest", barmode="overlay", margin={"t": 54})
-    )
-    figure.update_layout(legend={"y": 1.03})
+        _add_droppers(figure, view, number, shift, 0.62 * room / len(views), many=len(views) > 1)
+    figure.update_layout(style.layout(470, top=44, hovermode="closest", barmode="overlay"))
     x = {"gridcolor": style.SUPPORT, "tickvals": shape.support_x}
-    figure.update_xaxes(**style.axis(""), **x, showticklabels=False, range=list(first.section))
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=list(first.section)))
     figure.update_xaxes(
         ticktext=[str(n) for n in range(1, shape.support_x.size + 1)],
         showticklabels=True,
@@ -327,11 +310,11 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
         **style.axis("force [N]", zeroline=True, zerolinecolor=style.SOFT), row=1, col=1
     )
     figure.update_yaxes(**style.axis("slack [ms]", rangemode="tozero"), row=2, col=1)
-    return figure
+    return style.fit_legend(figure)
 
 
 def _add_droppers(
-    figure: go.Figure, view: RunView, number: int, shift: float, width: float, many: bool
+    figure: go.Figure, view: RunView, number: int, shift: float, width: float, *, many: bool
 ) -> None:
     data, look = view.statistics.droppers, style.look(number)
     labels = np.column_stack(
@@ -339,7 +322,7 @@ def _add_droppers(
     )
     place = "dropper %{customdata[1]:.0f} of span %{customdata[0]:.0f}: "
     prefix = f"{view.label}, " if many else ""
-    marker = {"color": look.colour, "pattern": {"shape": look.pattern, "solidity": 0.25}}
+    marker = style.filling(look)
     common: dict[str, Any] = {"x": data.position + shift, "customdata": labels, "col": 1}
     figure.add_bar(
         **common,
@@ -347,7 +330,7 @@ def _add_droppers(
         y=data.maximum - data.minimum,
         width=width,
         name=f"{prefix}range",
-        marker=marker | {"opacity": 0.75},
+        marker=marker,
         hovertemplate=place + "%{customdata[2]:.0f} to %{customdata[3]:.0f} N, "
         "static %{customdata[4]:.0f} N<extra></extra>",
         row=1,
@@ -356,8 +339,14 @@ def _add_droppers(
         **common,
         y=data.static_force,
         mode="markers",
-        name=f"{prefix}static",
-        marker={"symbol": "line-ew-open", "size": 9, "color": style.INK, "line": {"width": 2}},
+        name="static",
+        showlegend=number == 0,
+        marker={
+            "symbol": "line-ew-open",
+            "size": 5 if many else 9,
+            "color": "#8d99a5" if not many else style.INK,
+            "line": {"width": 2},
+        },
         hoverinfo="skip",
         row=1,
     )
@@ -384,7 +373,7 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
     """
     import plotly.graph_objects as go
 
-    figure = go.Figure(layout=style.layout(360, hovermode="closest"))
+    figure = go.Figure(layout=style.layout(360, top=40, hovermode="closest"))
     symbols = {"support": "square", "dropper": "circle", "middle": "x-thin"}
     for number, (label, data) in enumerate(elasticities):
         look = style.look(number)
@@ -418,6 +407,5 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
             gridcolor=style.SUPPORT,
         ),
         yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),
-        margin={"t": 40},
     )
-    return figure
+    return style.fit_legend(figure)

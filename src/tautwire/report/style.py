@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 INK = "#16202b"
 SOFT = "#55616e"
@@ -45,6 +48,38 @@ def look(number: int) -> Look:
     )
 
 
+def filling(item: Look) -> dict[str, Any]:
+    """Return the marker of bars: the colour, hatched in white from the second series on."""
+    pattern = {
+        "shape": item.pattern,
+        "fillmode": "overlay",
+        "fgcolor": "#fff",
+        "size": 7,
+        "solidity": 0.28,
+    }
+    return {"color": item.colour, "pattern": pattern}
+
+
+def fit_legend(figure: go.Figure, width: int = 880) -> go.Figure:
+    """Make room above the plot for the rows of the legend and return the figure.
+
+    Parameters
+    ----------
+    figure : Figure
+    width : int
+        Width of the plot to expect [px].
+    """
+    traces: Any = figure.data
+    names = [trace.name for trace in traces if trace.name and trace.showlegend is not False]
+    if len(names) > 1:
+        per_row = max(1, int(width // (7.2 * max(map(len, names)) + 48)))
+        extra = 19 * (-(-len(names) // per_row) - 1)
+        figure.update_layout(
+            margin={"t": figure.layout.margin.t + extra}, height=figure.layout.height + extra
+        )
+    return figure
+
+
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """Return the settings of an axis."""
     return {
@@ -79,12 +114,12 @@ def support_axis(positions: Sequence[float], **more: Any) -> dict[str, Any]:
     } | more
 
 
-def layout(height: int, **more: Any) -> dict[str, Any]:
-    """Return what all figures share."""
+def layout(height: int, top: int = 34, bottom: int = 52, **more: Any) -> dict[str, Any]:
+    """Return what all figures share; ``top`` and ``bottom`` are margins in pixels."""
     return {
         "template": "none",
         "height": height,
-        "margin": {"l": 68, "r": 16, "t": 34, "b": 52},
+        "margin": {"l": 72, "r": 40, "t": top, "b": bottom},
         "font": {"family": FONT, "size": 13, "color": INK},
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",
@@ -94,9 +129,15 @@ def layout(height: int, **more: Any) -> dict[str, Any]:
             "orientation": "h",
             "x": 0,
             "xanchor": "left",
-            "y": 1.02,
-            "yanchor": "bottom",
-            "yref": "paper",
+            "y": 0.995,
+            "yanchor": "top",
+            "yref": "container",
         },
         "dragmode": "zoom",
+        "modebar": {
+            "orientation": "v",
+            "bgcolor": "rgba(0,0,0,0)",
+            "color": "#9aa5b0",
+            "activecolor": INK,
+        },
     } | more

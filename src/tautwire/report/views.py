@@ -135,20 +135,46 @@ def series(views: Sequence[RunView]) -> list[Series]:
 
 
 def labels_of(runs: Sequence[Run], given: Sequence[str] | None = None) -> list[str]:
-    """Return a different label for every run: as given, or name, speed and number as needed."""
+    """Return a different label for every run: as given, or what tells them apart."""
     if given is not None:
         if len(given) != len(runs):
             raise InputError(f"{len(given)} labels were given for {len(runs)} runs; give as many")
         return list(given)
-    names = [run.case.name for run in runs]
-    if len(set(names)) < len(names):
-        names = [f"{run.case.name} {3.6 * run.case.scenario.speed:.0f} km/h" for run in runs]
-    seen: dict[str, int] = {}
-    labels = []
-    for name in names:
-        seen[name] = seen.get(name, 0) + 1
-        labels.append(name if names.count(name) == 1 else f"{name} ({seen[name]})")
-    return labels
+    columns = [_distinctions(run) for run in runs]
+    labels = [run.case.name if len({r.case.name for r in runs}) > 1 else "" for run in runs]
+    for name in columns[0]:
+        values = [column[name] for column in columns]
+        if len(set(labels)) < len(runs) and len(set(values)) > 1:
+            labels = [", ".join(filter(None, pair)) for pair in zip(labels, values, strict=True)]
+    if not any(labels):
+        labels = [run.case.name for run in runs]
+    return [
+        f"{label} ({labels[: n + 1].count(label)})" if labels.count(label) > 1 else label
+        for n, label in enumerate(labels)
+    ]
+
+
+def _distinctions(run: Run) -> dict[str, str]:
+    """Return what can tell runs of the same line apart, the most telling first."""
+    case, line = run.case, run.case.line
+    ends = (line.ends.left, line.ends.right)
+    target, count = case.scenario.target_mean_force(), len(case.pantographs)
+    prescribed = [f"{record.uplift_force:g} N uplift" for record in run.pantographs]
+    return {
+        "speed": f"{round(3.6 * case.scenario.speed, 2):g} km/h",
+        "stiffness": f"{1e-3 * case.settings.contact_stiffness:g} kN/m",
+        "pantographs": f"{count} pantograph{'s' if count > 1 else ''}",
+        "mesh": f"NAD {case.settings.nodes_between_droppers}",
+        "step": f"{1e3 * case.settings.time_step:g} ms",
+        "integrator": case.settings.integrator.method,
+        "closure": f"closure {case.supports.closure}",
+        "ends": ends[0] if ends[0] == ends[1] else "/".join(ends),
+        "messenger": f"messenger {case.supports.messenger_longitudinal}",
+        "direction": case.scenario.direction,
+        "force": prescribed[0] if target is None else f"mean {target:g} N",
+        "spans": f"{line.spans} spans",
+        "backend": str(run.counters.get("backend", "")),
+    }
 
 
 def _force_view(run: Run, name: str, lowpass: Lowpass) -> ForceView:

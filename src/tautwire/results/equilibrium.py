@@ -47,9 +47,8 @@ class Equilibrium:
         Far (hinged) ends of the arms.
     messenger_free_heights : (n_support - 2,) m
         Height at which the messenger-wire support springs are slack, supports 2 .. n-1.
-    contact_free_heights : (n_support - 2,) m
-        Height at which the contact-wire support springs are slack (closure ``spring``); NaN where
-        a support has none.
+    contact_preloads : (n_support - 2,) N
+        Upward force of the contact-wire support springs (closure ``spring``), otherwise 0.
     end_pulls : (2, 2) N
         Longitudinal force on the wire ends: left and right; contact and messenger wire.
     weight, reaction : float N
@@ -75,7 +74,7 @@ class Equilibrium:
     arm_angles: Array
     arm_ends: Array
     messenger_free_heights: Array
-    contact_free_heights: Array
+    contact_preloads: Array
     end_pulls: Array
     weight: float
     reaction: float

@@ -190,11 +190,11 @@ EQUILIBRIUM = (
         "height at which the messenger-wire support spring is slack",
     ),
     Entry(
-        "contact_free_height",
-        "contact_free_heights",
+        "contact_preload",
+        "contact_preloads",
         ("inner_support",),
-        "m",
-        "height at which the contact-wire support spring is slack, NaN where there is none",
+        "N",
+        "upward force of the contact-wire support spring, 0 where there is none",
     ),
     Entry(
         "end_pull",

@@ -6,9 +6,9 @@ import platform
 import subprocess
 from datetime import UTC, datetime
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 
+from tautwire import __version__
 from tautwire.specs.case import Case
 
 
@@ -29,7 +29,7 @@ def provenance(case: Case, backend: str) -> dict[str, str]:
         outside a source checkout, ``created`` is UTC in ISO 8601.
     """
     return {
-        "version": version(),
+        "version": __version__,
         "commit": commit(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "case_hash": case.hash(),
@@ -37,15 +37,6 @@ def provenance(case: Case, backend: str) -> dict[str, str]:
         "platform": platform.platform(),
         "backend": backend,
     }
-
-
-@cache
-def version() -> str:
-    """Version of the installed package, ``"unknown"`` when it runs without being installed."""
-    try:
-        return metadata.version("tautwire")
-    except metadata.PackageNotFoundError:
-        return "unknown"
 
 
 @cache

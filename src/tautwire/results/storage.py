@@ -76,18 +76,18 @@ def load_run(path: PathLike) -> Run:
         When the file cannot be read, is not a run, or has another format version.
     """
     with _opened(path, "run") as file:
-        case = Case.model_validate_json(file.attrs["case"])
+        case = Case.model_validate_json(_text(file, "case"))
         return Run(
             case=case,
             equilibrium=_read_equilibrium(file),
-            status=str(file.attrs["status"]),
-            message=str(file.attrs["message"]),
+            status=_text(file, "status"),
+            message=_text(file, "message"),
             time=_array(file, "time"),
             pantographs=_read_pantographs(file),
             snapshots=Snapshots(**_read_entries(file.groups["snapshots"], layout.SNAPSHOTS)),
-            counters=json.loads(file.attrs["counters"]),
-            warnings=tuple(json.loads(file.attrs["warnings"])),
-            provenance=json.loads(file.attrs["provenance"]),
+            counters=json.loads(_text(file, "counters")),
+            warnings=tuple(json.loads(_text(file, "warnings"))),
+            provenance=json.loads(_text(file, "provenance")),
             **_read_entries(file, layout.RUN),
         )
 
@@ -126,7 +126,7 @@ def load_equilibrium(path: PathLike) -> tuple[Case, Equilibrium]:
         When the file cannot be read or has another format version.
     """
     with _opened(path, "equilibrium") as file:
-        return Case.model_validate_json(file.attrs["case"]), _read_equilibrium(file)
+        return Case.model_validate_json(_text(file, "case")), _read_equilibrium(file)
 
 
 def load_elasticity(path: PathLike) -> Elasticity | None:
@@ -272,14 +272,14 @@ def _write_axes(file: h5netcdf.File, run: Run) -> None:
     """Write the coordinate variables of the root group."""
     names = [record.name for record in run.pantographs]
     stages = max((record.stage_heights.shape[1] for record in run.pantographs), default=0)
+    count = "number of the dropper along the line, from 1"
     axes = (
         ("time", "s", "time since the start", run.time),
         ("support", "1", "number of the support, from 1", _numbers(run.support_uplift.shape[1])),
-        ("dropper", "1", "number of the dropper along the line, from 1, see equilibrium/"
-         "dropper_span and dropper_number", _numbers(run.dropper_force.shape[1])),
+        ("dropper", "1", count, _numbers(run.dropper_force.shape[1])),
         ("pantograph", "1", "name of the pantograph", np.array(names, dtype=object)),
         ("stage", "1", "number of the stage, 1 is the head", _numbers(stages)),
-    )  # fmt: skip
+    )
     for name, units, text, values in axes:
         _write(file, Entry(name, name, (name,), units, text), values)
 
@@ -332,6 +332,10 @@ def _write_static(
     _write_entries(file.create_group("equilibrium"), layout.EQUILIBRIUM, equilibrium)
     if elasticity is not None:
         _write_entries(file.create_group("elasticity"), layout.ELASTICITY, elasticity)
+
+
+def _text(file: h5netcdf.File, name: str) -> str:
+    return str(file.attrs[name])
 
 
 def _read_equilibrium(file: h5netcdf.File) -> Equilibrium:

@@ -227,6 +227,27 @@ def resample_uniform(
     return grid, resampled if values.ndim == 2 else resampled[:, 0]
 
 
+def evenly_spaced(time: ArrayLike, signals: ArrayLike, time_step: float) -> tuple[Array, Array]:
+    """Return a record as it is when its steps are even, else resampled at `time_step`.
+
+    Parameters
+    ----------
+    time : (n_time,) s
+        Increasing instants.
+    signals : (n_time,) or (n_time, n_signal)
+    time_step : float s
+        Sampling interval of a record with uneven steps.
+
+    Returns
+    -------
+    time : (n_new,) s
+    signals : (n_new,) or (n_new, n_signal)
+    """
+    if is_uniform(time):
+        return np.asarray(time, dtype=np.float64), np.asarray(signals, dtype=np.float64)
+    return resample_uniform(time, signals, time_step)
+
+
 def _require_positive_cutoff(cutoff: float) -> None:
     if not (math.isfinite(cutoff) and cutoff > 0.0):
         raise ValueError(f"the cut-off must be a positive frequency in Hz, got {cutoff!r}")

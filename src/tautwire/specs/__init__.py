@@ -3,8 +3,8 @@
 from tautwire.specs.case import Case, Source
 from tautwire.specs.catenary import Damping, Ends, Line
 from tautwire.specs.dropper import Droppers, DropperStiffness
+from tautwire.specs.json_schema import case_json_schema
 from tautwire.specs.pantograph import Pantograph, RoofMotion, Stage
-from tautwire.specs.reference import FieldRow, case_json_schema, field_rows
 from tautwire.specs.scenario import MeanForceLaw, Scenario
 from tautwire.specs.settings import Integrator, Settings
 from tautwire.specs.support import Arm, Supports, SupportSpring
@@ -17,7 +17,6 @@ __all__ = [
     "DropperStiffness",
     "Droppers",
     "Ends",
-    "FieldRow",
     "Integrator",
     "Line",
     "MeanForceLaw",
@@ -32,5 +31,4 @@ __all__ = [
     "Wire",
     "Wires",
     "case_json_schema",
-    "field_rows",
 ]

@@ -68,7 +68,7 @@ class Pantograph(Spec):
     """A pantograph: stages from the head down, and the forces that lift it."""
 
     name: Name = Field(description="Name used in results, different for each pantograph.")
-    behind: Annotated[float, Quantity("m", ge=0.0, le=1000.0, typical="0; 200 m")] = Field(
+    behind: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="0; 200 m")] = Field(
         default=0.0, description="Distance behind the leading pantograph; 0 for the first."
     )
     stages: tuple[Stage, ...] = Field(

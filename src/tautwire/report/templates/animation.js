@@ -161,6 +161,8 @@
   const drawWires = (view, contact, messenger) => {
     const toScreen = ([x, z]) => [view.x(x), view.z(z)];
     const seen = ([x]) => x > view.start - 15 && x < view.end + 15;
+    const still = Array.from(state.film.frames.x, (x, k) => [x, state.film.frames.contact[k]]);
+    line(still.filter(seen).map(toScreen), "#9aa5b0", 1, [5, 4]);
     line(messenger.filter(seen).map(toScreen), INK, 1.6);
     line(contact.filter(seen).map(toScreen), CONTACT, 2.6);
     state.film.supports.forEach((x) => {
@@ -178,6 +180,7 @@
     const tall = millimetres / 1000 * view.lift;
     line([[x, y], [x, y - tall]], INK, 2);
     label(`${millimetres} mm`, x - 6, y - tall + 4, "right", INK);
+    label(`heights × ${setting("exaggeration")}`, LEFT + 8, y + 2, "left");
   };
 
   /* ---- the pantograph --------------------------------------------------------------- */

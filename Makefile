@@ -1,0 +1,26 @@
+# `make check` is exactly what continuous integration runs; the other targets use the current environment.
+.PHONY: check lint format test docs validation
+
+check:
+	bash .ci/run
+
+lint:
+	ruff check .
+	ruff format --check .
+	pyright
+	lint-imports
+
+format:
+	ruff check --fix .
+	ruff format .
+
+test:
+	python -m pytest -n 2
+
+docs:
+	sphinx-build -W --keep-going -b html docs build/docs
+
+# Runs every test and stores the rows of the validation table that the documentation shows.
+validation:
+	python -m pytest -m "slow or not slow" -n 2
+	cp build/validation.json docs/validation.json

@@ -1,0 +1,210 @@
+// SIMD lanes of fixed width, one width per instruction set.
+//
+// TAUTWIRE_LANES doubles fill one register: 2 on SSE and NEON, 4 on AVX2, 8 on AVX-512. `Floats`
+// has the same size and therefore twice as many lanes.
+//
+// This header and all that include it are compiled once per instruction set. Everything lives in a
+// namespace named after the instruction set, and no standard container is used, because the linker
+// keeps only one copy of a template function: it could be the one that old processors cannot run.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+#ifndef TAUTWIRE_LANES
+#error "define TAUTWIRE_LANES (doubles per register) and TAUTWIRE_ISA (name of the instruction set)"
+#endif
+
+#if defined(__GNUC__)
+#define TAUTWIRE_INLINE [[gnu::always_inline]] inline
+#else
+#define TAUTWIRE_INLINE __forceinline
+#endif
+
+namespace tautwire::TAUTWIRE_ISA {
+
+inline constexpr int kLanes = TAUTWIRE_LANES;
+
+#if defined(__GNUC__)
+
+template <class T, int N>
+struct PackOf {
+    typedef T type __attribute__((vector_size(N * sizeof(T))));
+};
+template <class T, int N>
+using Pack = typename PackOf<T, N>::type;
+
+#else  // compilers without vector extensions: a plain array that the optimiser may vectorise
+
+template <class T, int N>
+struct Pack {
+    T lane[N];
+    T& operator[](int i) { return lane[i]; }
+    T operator[](int i) const { return lane[i]; }
+};
+
+#define TAUTWIRE_OPERATOR(op)                                                                    \
+    template <class T, int N>                                                                    \
+    TAUTWIRE_INLINE Pack<T, N> operator op(const Pack<T, N>& a, const Pack<T, N>& b) {           \
+        Pack<T, N> c;                                                                            \
+        for (int i = 0; i < N; ++i) c.lane[i] = a.lane[i] op b.lane[i];                          \
+        return c;                                                                                \
+    }                                                                                            \
+    template <class T, int N>                                                                    \
+    TAUTWIRE_INLINE Pack<T, N> operator op(T a, const Pack<T, N>& b) {                           \
+        Pack<T, N> c;                                                                            \
+        for (int i = 0; i < N; ++i) c.lane[i] = a op b.lane[i];                                  \
+        return c;                                                                                \
+    }                                                                                            \
+    template <class T, int N>                                                                    \
+    TAUTWIRE_INLINE Pack<T, N> operator op(const Pack<T, N>& a, T b) {                           \
+        Pack<T, N> c;                                                                            \
+        for (int i = 0; i < N; ++i) c.lane[i] = a.lane[i] op b;                                  \
+        return c;                                                                                \
+    }                                                                                            \
+    template <class T, int N>                                                                    \
+    TAUTWIRE_INLINE Pack<T, N>& operator op##=(Pack<T, N>& a, const Pack<T, N>& b) {             \
+        return a = a op b;                                                                       \
+    }
+TAUTWIRE_OPERATOR(+)
+TAUTWIRE_OPERATOR(-)
+TAUTWIRE_OPERATOR(*)
+TAUTWIRE_OPERATOR(/)
+#undef TAUTWIRE_OPERATOR
+
+template <class T, int N>
+TAUTWIRE_INLINE Pack<T, N> operator-(const Pack<T, N>& a) {
+    return T(0) - a;
+}
+
+#endif
+
+using Doubles = Pack<double, kLanes>;
+using Floats = Pack<float, 2 * kLanes>;
+
+template <class V>
+inline constexpr int kLanesOf = static_cast<int>(sizeof(V) / sizeof(std::declval<V&>()[0]));
+
+// Loops over lanes; compilers turn them into single instructions.
+
+template <class V>
+TAUTWIRE_INLINE V broadcast(double value) {
+    V out;
+    for (int i = 0; i < kLanesOf<V>; ++i) out[i] = static_cast<std::decay_t<decltype(out[0])>>(value);
+    return out;
+}
+
+template <class V>
+TAUTWIRE_INLINE V square_root(V x) {
+    for (int i = 0; i < kLanesOf<V>; ++i) x[i] = std::sqrt(x[i]);
+    return x;
+}
+
+template <class V>
+TAUTWIRE_INLINE V absolute(V x) {
+    for (int i = 0; i < kLanesOf<V>; ++i) x[i] = std::fabs(x[i]);
+    return x;
+}
+
+// Lane-wise maximum; of a pair with a NaN, b.
+template <class V>
+TAUTWIRE_INLINE V maximum(V a, V b) {
+    for (int i = 0; i < kLanesOf<V>; ++i) a[i] = a[i] > b[i] ? a[i] : b[i];
+    return a;
+}
+
+// The lanes of the contact wire, then those of the messenger wire, rounded to single precision.
+TAUTWIRE_INLINE Floats join(Doubles contact, Doubles messenger) {
+#if defined(__GNUC__)
+    using Half = Pack<float, kLanes>;
+    Half parts[2] = {__builtin_convertvector(contact, Half), __builtin_convertvector(messenger, Half)};
+    Floats out;
+    std::memcpy(&out, parts, sizeof(out));
+    return out;
+#else
+    Floats out;
+    for (int i = 0; i < kLanes; ++i) {
+        out[i] = static_cast<float>(contact[i]);
+        out[kLanes + i] = static_cast<float>(messenger[i]);
+    }
+    return out;
+#endif
+}
+
+TAUTWIRE_INLINE Doubles widen(const Floats& x, int wire) {
+#if defined(__GNUC__)
+    using Half = Pack<float, kLanes>;
+    Half half;
+    std::memcpy(&half, reinterpret_cast<const float*>(&x) + wire * kLanes, sizeof(half));
+    return __builtin_convertvector(half, Doubles);
+#else
+    Doubles out;
+    for (int i = 0; i < kLanes; ++i) out[i] = x[wire * kLanes + i];
+    return out;
+#endif
+}
+
+// Move every lane's value to the next (previous) segment of the same wire; zero enters at the end.
+// A vector of W doubles holds one wire, one of 2 W floats holds both wires.
+template <class V>
+TAUTWIRE_INLINE V to_next_segment(V x) {
+    V out = broadcast<V>(0.0);
+    for (int i = 0; i < kLanesOf<V>; ++i)
+        if (i % kLanes != 0) out[i] = x[i - 1];
+    return out;
+}
+
+template <class V>
+TAUTWIRE_INLINE V to_previous_segment(V x) {
+    V out = broadcast<V>(0.0);
+    for (int i = 0; i < kLanesOf<V>; ++i)
+        if (i % kLanes != kLanes - 1) out[i] = x[i + 1];
+    return out;
+}
+
+// A block of memory aligned for vectors, zero at the start.
+template <class T>
+class Buffer {
+public:
+    Buffer() = default;
+    explicit Buffer(std::size_t size)
+        : data_(static_cast<T*>(::operator new(size * sizeof(T), std::align_val_t(kAlignment)))),
+          size_(size) {
+        std::memset(static_cast<void*>(data_), 0, size * sizeof(T));
+    }
+    Buffer(Buffer&& other) noexcept : data_(other.data_), size_(other.size_) {
+        other.data_ = nullptr;
+        other.size_ = 0;
+    }
+    Buffer& operator=(Buffer&& other) noexcept {
+        T* data = data_;
+        std::size_t size = size_;
+        data_ = other.data_;
+        size_ = other.size_;
+        other.data_ = data;
+        other.size_ = size;
+        return *this;
+    }
+    Buffer(const Buffer&) = delete;
+    Buffer& operator=(const Buffer&) = delete;
+    ~Buffer() {
+        if (data_) ::operator delete(data_, std::align_val_t(kAlignment));
+    }
+
+    T& operator[](std::size_t i) { return data_[i]; }
+    const T& operator[](std::size_t i) const { return data_[i]; }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    std::size_t size() const { return size_; }
+    void copy_from(const Buffer& other) { std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T)); }
+
+private:
+    static constexpr std::size_t kAlignment = 64;
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+}  // namespace tautwire::TAUTWIRE_ISA

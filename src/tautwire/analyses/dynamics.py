@@ -1,0 +1,366 @@
+"""The passage of the pantographs: time integration of the whole, nonlinear line."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.errors import ConvergenceError
+from tautwire.model.build import Model
+from tautwire.model.equations import equations
+from tautwire.model.mesh import CONTACT, MESSENGER
+from tautwire.model.passage import Passage, plan_passage
+from tautwire.numerics.backend import backend_name, make_stepper
+from tautwire.numerics.newmark import HHT, Integrator, Newmark
+from tautwire.numerics.stepper import StepBlock, StepOptions, Stepper
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.provenance import provenance
+from tautwire.results.run import PantographRecord, Run, Snapshots
+from tautwire.status import Status
+
+Array = NDArray[Any]
+
+FRAME_INTERVAL = 0.02
+SHAPE_INTERVAL = 0.005
+
+
+@dataclass(frozen=True)
+class ConstantStep:
+    """Advance with one time step throughout.
+
+    Parameters
+    ----------
+    time_step
+        [s]
+    """
+
+    time_step: float
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a passage is.
+
+    Attributes
+    ----------
+    time, duration : float s
+        Simulated time reached and planned.
+    elapsed : float s
+        Wall time spent.
+    """
+
+    time: float
+    duration: float
+    elapsed: float
+
+    @property
+    def share(self) -> float:
+        """Share of the passage that is done, 0 to 1."""
+        return min(1.0, self.time / self.duration)
+
+    @property
+    def remaining(self) -> float:
+        """Estimated wall time to go [s]."""
+        return self.elapsed * (1.0 - self.share) / max(self.share, 1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A number of steps just taken.
+
+    Attributes
+    ----------
+    steps : StepBlock
+        Their histories.
+    coordinates : (n_dof,)
+        Nodal coordinates at the end of the block.
+    progress : Progress
+    """
+
+    steps: StepBlock
+    coordinates: Array
+    progress: Progress
+
+
+@dataclass(frozen=True, eq=False)
+class Choices:
+    """How a passage is computed; what is not given comes from the case.
+
+    Attributes
+    ----------
+    integrator : Newmark or HHT, optional
+    stepping : ConstantStep, optional
+    uplift_forces : tuple of float N, optional
+        One per pantograph.
+    backend : str, optional
+        ``"auto"``, ``"native"`` or ``"reference"``.
+    """
+
+    integrator: Integrator | None = None
+    stepping: ConstantStep | None = None
+    uplift_forces: tuple[float, ...] | None = None
+    backend: str | None = None
+
+
+class Simulation:
+    """A passage under way: an iterator of blocks that also knows what it has counted.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    choices
+        What differs from the case's settings.
+    """
+
+    def __init__(self, model: Model, shape: Equilibrium, choices: Choices | None = None) -> None:
+        choices = choices or Choices()
+        settings = model.case.settings
+        self.model, self.shape = model, shape
+        self.integrator = choices.integrator or _integrator(model)
+        self.stepping = choices.stepping or ConstantStep(settings.time_step)
+        self.backend = backend_name(choices.backend or settings.backend)
+        forces = choices.uplift_forces or model.case.uplift_forces()
+        self.passage: Passage = plan_passage(model, shape, forces)
+        system = equations(model, shape)
+        options = StepOptions(
+            self.integrator,
+            self.stepping.time_step,
+            settings.contact_stiffness,
+            tolerance=settings.tolerance,
+        )
+        observed = 6 * (2 * model.mesh.support_station + CONTACT) + 2
+        self.stepper: Stepper = make_stepper(
+            system, self.passage.pantographs, options, observed, choices.backend or settings.backend
+        )
+        self.step_count = int(np.ceil(self.passage.duration / self.stepping.time_step - 1e-9))
+
+    def blocks(self) -> Iterator[Block]:
+        """Advance to the end of the passage, block by block; the last block tells the status."""
+        interval = SHAPE_INTERVAL if self.model.case.settings.store_shapes else FRAME_INTERVAL
+        size = max(1, round(interval / self.stepping.time_step))
+        begin, done = clock.perf_counter(), 0
+        while done < self.step_count:
+            steps = self.stepper.advance(min(size, self.step_count - done))
+            done += len(steps.time)
+            progress = Progress(
+                self.stepper.time, self.passage.duration, clock.perf_counter() - begin
+            )
+            yield Block(steps, self.stepper.coordinates.copy(), progress)
+            if steps.status is not Status.RUNNING:
+                return
+
+
+def iterate(
+    model: Model, shape: Equilibrium, *, choices: Choices | None = None
+) -> Iterator[Block]:
+    """Run a passage and yield its steps in blocks, for live views and early stops.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    choices
+        What differs from the case's settings.
+
+    Yields
+    ------
+    Block
+        About 20 ms of simulated time each.
+    """
+    return Simulation(model, shape, choices).blocks()
+
+
+def simulate(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    integrator: Integrator | None = None,
+    stepping: ConstantStep | None = None,
+    uplift_forces: Sequence[float] | None = None,
+    backend: str | None = None,
+    watch: Callable[[Progress], bool] | None = None,
+) -> Run:
+    """Simulate the passage of the case's pantographs.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    integrator
+        Newmark or HHT; ``settings.integrator`` by default.
+    stepping
+        Step control; a constant ``settings.time_step`` by default.
+    uplift_forces
+        Force on each pantograph [N]; prescribed or first-guess forces of the scenario by default.
+    backend
+        ``"auto"``, ``"native"`` or ``"reference"``; ``settings.backend`` by default.
+    watch
+        Called after every block; returning True stops the run and keeps what was computed.
+
+    Returns
+    -------
+    Run
+        With status ``"partial"`` when ``watch`` or Ctrl-C stopped it.
+
+    Raises
+    ------
+    ConvergenceError
+        When a step fails; ``error.partial`` is the run up to there.
+    """
+    forces = None if uplift_forces is None else tuple(uplift_forces)
+    simulation = Simulation(model, shape, Choices(integrator, stepping, forces, backend))
+    blocks: list[Block] = []
+    status = Status.DONE
+    cpu, wall = clock.process_time(), clock.perf_counter()
+    try:
+        for block in simulation.blocks():
+            blocks.append(block)
+            if watch is not None and watch(block.progress):
+                status = Status.INTERRUPTED
+                break
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    if blocks and blocks[-1].steps.status is not Status.RUNNING:
+        status = blocks[-1].steps.status
+    spent = (clock.process_time() - cpu, clock.perf_counter() - wall)
+    run = _collect(simulation, blocks, status, spent)
+    if status not in (Status.DONE, Status.INTERRUPTED):
+        raise ConvergenceError(run.message, partial=run)
+    return run
+
+
+def _integrator(model: Model) -> Integrator:
+    spec = model.case.settings.integrator
+    return HHT(spec.alpha) if spec.method == "hht" else Newmark()
+
+
+def _collect(
+    simulation: Simulation, blocks: list[Block], status: Status, spent: tuple[float, float]
+) -> Run:
+    """Join the blocks of a passage into a run."""
+    model, shape = simulation.model, simulation.shape
+    steps = [b.steps for b in blocks]
+    time = _join([s.time for s in steps], ())
+    supports = len(shape.support_x)
+    height = _join([s.observed for s in steps], (supports,))
+    words = {Status.DONE: "done", Status.INTERRUPTED: "partial"}
+    return Run(
+        case=model.case,
+        equilibrium=shape,
+        status=words.get(status, "failed"),
+        message=_message(status, time),
+        time=time,
+        pantographs=_records(simulation, steps, time),
+        support_uplift=(height - shape.support_heights).astype(np.float32),
+        dropper_force=_join(
+            [s.dropper_force for s in steps], (len(shape.dropper_x),)
+        ).astype(np.float32),
+        snapshots=_snapshots(simulation, blocks),
+        counters=_counters(simulation, time, spent),
+        warnings=tuple(simulation.passage.warnings),
+        provenance=provenance(model.case, simulation.backend),
+    )
+
+
+def _message(status: Status, time: Array) -> str:
+    if status is Status.DONE:
+        return ""
+    reached = f"t = {time[-1]:.3f} s" if len(time) else "the start"
+    return f"The passage stopped at {reached}. {status.sentence} {status.cure}"
+
+
+def _join(parts: list[Array], shape: tuple[int, ...]) -> Array:
+    return np.concatenate(parts) if parts else np.empty((0, *shape))
+
+
+def _records(
+    simulation: Simulation, steps: list[StepBlock], time: Array
+) -> tuple[PantographRecord, ...]:
+    case = simulation.model.case
+    count = len(case.pantographs)
+    joined = {
+        name: _join([getattr(s, name) for s in steps], (count,))
+        for name in ("contact_force", "gap", "wire_height")
+    }
+    stages = _join(
+        [s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),)
+    )
+    ends = np.cumsum([len(p.stages) for p in case.pantographs])
+    target = case.scenario.target_mean_force()
+    records = []
+    for i, (spec, given) in enumerate(
+        zip(case.pantographs, simulation.passage.pantographs, strict=True)
+    ):
+        records.append(
+            PantographRecord(
+                name=spec.name,
+                uplift_force=given.uplift_force,
+                target_mean=target,
+                position=given.start_x + given.velocity * (time - given.start_time),
+                contact_force=joined["contact_force"][:, i],
+                gap=joined["gap"][:, i],
+                wire_height=joined["wire_height"][:, i],
+                stage_heights=stages[:, ends[i] - len(spec.stages) : ends[i]],
+                active=time >= given.start_time - 1e-12,
+            )
+        )
+    return tuple(records)
+
+
+def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
+    """Thin the shapes at the block ends: supports, droppers, middles; or every station."""
+    model = simulation.model
+    mesh = model.mesh
+    if model.case.settings.store_shapes:
+        stations = np.arange(mesh.station_count)
+    else:
+        fixed = np.concatenate([mesh.support_station, mesh.dropper_station])
+        fixed.sort()
+        stations = np.sort(np.concatenate([fixed, (fixed[:-1] + fixed[1:]) // 2]))
+        stations = np.unique(stations)
+    start = simulation.shape.position
+    states = [start] + [b.coordinates for b in blocks]
+    dofs = [6 * (2 * stations + wire) + 2 for wire in (CONTACT, MESSENGER)]
+    contact, messenger = (np.array([q[d] for q in states], dtype=np.float32) for d in dofs)
+    return Snapshots(
+        time=np.array([0.0] + [b.progress.time for b in blocks]),
+        x=mesh.x[stations],
+        contact_z=contact,
+        messenger_z=messenger,
+    )
+
+
+def _counters(
+    simulation: Simulation, time: Array, spent: tuple[float, float]
+) -> dict[str, Any]:
+    """Return the work done, with the keys of the ``cost`` part of the JSON output."""
+    counters = simulation.stepper.counters
+    simulated = float(time[-1]) if len(time) else 0.0
+    return {
+        "dof": int(simulation.shape.position.size),
+        "steps": counters.steps,
+        "iterations_mean": counters.iterations / max(counters.steps, 1),
+        "refactorisations": counters.refactorisations,
+        "full_newton_steps": counters.full_newton_steps,
+        "simulated_s": simulated,
+        "cpu_s": spent[0],
+        "wall_s": spent[1],
+        "real_time_factor": spent[0] / simulated if simulated else float("nan"),
+        "tuning_passes": 0,
+        "backend": simulation.backend,
+        "integrator": simulation.integrator.describe(),
+        "time_step": simulation.stepping.time_step,
+        **counters.notes,
+    }

@@ -1,0 +1,270 @@
+"""The command ``tautwire``: what it offers, and nothing heavier than that.
+
+Every command imports what it needs when it is called, so that help appears at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from tautwire.cli.options import (
+    CaseArgument,
+    FreeUpliftOption,
+    JsonOption,
+    OutFolderOption,
+    SetOption,
+    SystemOption,
+)
+from tautwire.cli.session import FAILED, REFUSED, answering
+
+_UsageError: Any = typer.BadParameter.__base__
+
+app = typer.Typer(
+    name="tautwire",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit codes: 0 done, 1 computation failed or stopped, 2 input refused, "
+    "130 or 143 interrupted with a partial result kept.",
+)
+
+
+def main() -> None:
+    """Run the command line and end the process with its exit code."""
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")  # banded systems gain nothing from more threads
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # pyright: ignore[reportAttributeAccessIssue]
+    sys.exit(run_command_line(sys.argv[1:]))
+
+
+def run_command_line(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments
+        What follows the name of the program.
+    """
+    try:
+        code = app(args=list(arguments), prog_name="tautwire", standalone_mode=False)
+    except _UsageError as error:
+        return _refuse_usage(error, as_json="--json" in arguments)
+    except typer.Abort:
+        return 130
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted\n")
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    return code if isinstance(code, int) else 0
+
+
+def _refuse_usage(error: Any, *, as_json: bool) -> int:
+    """Say what is wrong with the arguments themselves."""
+    error.show()
+    if as_json:
+        import json
+
+        problem = {"kind": "usage", "problems": [error.format_message()]}
+        sys.stdout.write(json.dumps({"error": problem}) + "\n")
+    return REFUSED
+
+
+@app.callback(invoke_without_command=True)
+def tautwire(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and the kernels in use.")
+    ] = False,
+) -> None:
+    """Simulate how a railway pantograph and the overhead contact line move together.
+
+    CASE is the name of a library case (see "tautwire cases") or a file.
+    """
+    if version:
+        from tautwire.cli.about import show_version
+
+        show_version()
+        raise typer.Exit
+
+
+@app.command()
+def cases(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Library entry.", show_default=False)
+    ] = None,
+    copy: Annotated[
+        Path | None,
+        typer.Option(
+            "--copy",
+            metavar="FILE",
+            help="Write the entry as a commented file to edit.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Let --copy replace an existing file.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """List what the library holds, show an entry, or copy one to start your own line from."""
+    with answering(as_json) as answer:
+        from tautwire.cli.library_commands import copy_entry, list_library, show_entry
+
+        if name is None:
+            list_library(answer, copying=copy is not None)
+        elif copy is None:
+            show_entry(answer, name)
+        else:
+            copy_entry(answer, name, copy, force=force)
+
+
+@app.command()
+def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption = False) -> None:
+    """Check an input: every error at once, wave quantities, advice. Nothing is computed."""
+    with answering(as_json) as answer:
+        from tautwire.cli.check_command import check_case
+
+        check_case(answer, case, overrides or [])
+
+
+@app.command()
+def static(
+    case: CaseArgument,
+    overrides: SetOption = None,
+    out: OutFolderOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the static shape: heights, dropper lengths and forces, elasticity.
+
+    With --out the dropper table, the elasticity and the static state are written as files.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.static_command import find_static
+
+        find_static(answer, case, overrides or [], out)
+
+
+@app.command()
+def run(
+    case: CaseArgument,
+    overrides: SetOption = None,
+    out: OutFolderOption = None,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Do not write the HTML report.")
+    ] = False,
+    system: SystemOption = "ac",
+    free_uplift: FreeUpliftOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate a passage, the mean force tuned where the case asks for it, and report on it.
+
+    Files go to the folder "tautwire-" and the name of the case, or to --out. Ctrl-C stops the
+    passage and keeps what was computed.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.run_command import RunRequest, run_passage
+
+        request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report)
+        run_passage(answer, request)
+
+
+@app.command()
+def report(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(metavar="RUN.nc", help="Results of \"tautwire run\"; several are overlaid."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="HTML file; report.html by default.",
+            show_default=False,
+        ),
+    ] = None,
+    system: SystemOption = "ac",
+    free_uplift: FreeUpliftOption = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Write one HTML report about one run, or about several runs overlaid."""
+    with answering(as_json) as answer:
+        from tautwire.cli.result_commands import report_runs
+
+        report_runs(answer, runs, out or Path("report.html"), system, free_uplift)
+
+
+@app.command()
+def compare(
+    run_file: Annotated[
+        Path, typer.Argument(metavar="RUN.nc", help="Result of \"tautwire run\".")
+    ],
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MEASURED.csv",
+            help="Table with position and force, and time, speed, uplift where measured.",
+        ),
+    ],
+    pantograph: Annotated[
+        str | None,
+        typer.Option(
+            "--pantograph", metavar="NAME", help="The leading one by default.", show_default=False
+        ),
+    ] = None,
+    offset: Annotated[
+        str,
+        typer.Option(
+            "--offset", metavar="LENGTH", help="Position in the model of the measurement's zero."
+        ),
+    ] = "0 m",
+    filtered: Annotated[
+        bool, typer.Option("--filtered", help="The measured force is low-passed at 20 Hz already.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="CSV file with both forces over the position.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Compare a run with a measured one, after EN 50318."""
+    with answering(as_json) as answer:
+        from tautwire.cli.result_commands import Measurement, compare_run
+
+        wanted = Measurement(measured, pantograph, offset, filtered)
+        compare_run(answer, run_file, wanted, out)
+
+
+@app.command()
+def reproduce(
+    study: Annotated[
+        str, typer.Argument(metavar="STUDY", help="Published study: en50318-2002.")
+    ],
+    out: OutFolderOption = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Repeat a published study and judge each of its claims: a validation record."""
+    with answering(as_json) as answer:
+        from tautwire.cli.reproduce_command import reproduce_study
+
+        reproduce_study(answer, study, out)
+
+
+@app.command()
+def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
+    """Print the JSON Schema of a case file, for editors and programs."""
+    with answering(as_json=True) as answer:
+        from tautwire.specs.json_schema import case_json_schema
+
+        answer.document.update(case_json_schema())

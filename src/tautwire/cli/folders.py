@@ -1,0 +1,77 @@
+"""Output folders and files: refused before the work when they cannot be written."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from tautwire.errors import InputError
+
+
+def default_folder(case_name: str) -> Path:
+    """Return the folder for the files of a case when the user names none."""
+    return Path("tautwire-" + re.sub(r"[^A-Za-z0-9._+-]", "-", case_name))
+
+
+def prepare_folder(folder: Path) -> Path:
+    """Make a folder and see that it can be written to, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        When it cannot.
+    """
+    cure = "choose another folder with --out"
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"--out {folder}: is a file, a folder is needed; {cure}")
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / f".tautwire-{os.getpid()}.part"
+        probe.touch()
+        probe.unlink()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"--out {folder}: cannot be written to ({reason}); {cure}, or change its permissions"
+        ) from None
+    return folder
+
+
+class Files:
+    """Files written by a command, and those that could not be.
+
+    Parameters
+    ----------
+    folder
+        Where they go.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.written: dict[str, str] = {}
+        self.problems: list[str] = []
+
+    def write(self, name: str, write: Callable[[Path], object]) -> None:
+        """Write one file; a failure is noted and does not keep others from being written.
+
+        Parameters
+        ----------
+        name
+            File name inside the folder.
+        write
+            Is given the path; writes the file completely or not at all.
+        """
+        path = self.folder / name
+        try:
+            write(path)
+        except InputError as error:
+            self.problems += error.problems
+        except (OSError, RuntimeError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            self.problems.append(
+                f"{path}: cannot be written ({reason}); check free space and permissions"
+            )
+        else:
+            self.written[name] = str(path)

@@ -1,0 +1,55 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+CaseArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="CASE",
+        help="Name of a library case, or a case file (YAML, TOML or JSON).",
+        show_default=False,
+    ),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help='Replace one value, as in --set scenario.speed="275 km/h"; may be repeated.',
+        show_default=False,
+    ),
+]
+JsonOption = Annotated[
+    bool,
+    typer.Option("--json", help="Print one JSON document on standard output and nothing else."),
+]
+OutFolderOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", metavar="DIR", help="Folder for the files; made if there is none.",
+        show_default=False,
+    ),
+]  # fmt: skip
+SystemOption = Annotated[
+    str,
+    typer.Option(
+        "--system",
+        metavar="SYSTEM",
+        help="Supply system, which decides between limits: ac, dc-1.5kv or dc-3kv.",
+    ),
+]
+FreeUpliftOption = Annotated[
+    str | None,
+    typer.Option(
+        "--free-uplift",
+        metavar="LENGTH",
+        help='Free space for uplift at the supports, as in "120 mm"; without it the uplift is '
+        "not checked.",
+        show_default=False,
+    ),
+]

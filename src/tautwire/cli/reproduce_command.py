@@ -1,0 +1,78 @@
+"""``reproduce``: a published study repeated, with a verdict on each of its claims."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tautwire import __version__
+from tautwire.cli.about import kernels
+from tautwire.cli.folders import Files, prepare_folder
+from tautwire.cli.interrupts import Interrupts
+from tautwire.cli.progress import PassageWatch
+from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.tables import facts, files_written, heading, table
+from tautwire.errors import InputError
+from tautwire.inputs.files import did_you_mean
+from tautwire.reproductions import en50318_2002
+from tautwire.reproductions.record import Record, found_text, writers
+
+STUDIES = {en50318_2002.STUDY: en50318_2002.reproduce}
+
+
+def reproduce_study(answer: Answer, study: str, out: Path | None) -> None:
+    """Repeat a study, show its record and write its files."""
+    if study not in STUDIES:
+        hint = did_you_mean(study, STUDIES) or f"; there are: {', '.join(STUDIES)}"
+        raise InputError(f"STUDY {study!r}: there is no such study{hint}")
+    folder = prepare_folder(out or Path(f"tautwire-reproduce-{study}"))
+    answer.say(f"tautwire {__version__}, {kernels()}")
+    interrupts = Interrupts()
+    with interrupts.handled():
+        with PassageWatch(answer, interrupts) as watch, interrupts.patient():
+            record = STUDIES[study](watch)
+        with interrupts.patient():
+            answer.document.update(record.as_dict())
+            answer.show(*_record_view(record))
+            _write(answer, Files(folder), record)
+    if interrupts.requested is not None:
+        answer.exit_code = interrupts.exit_code
+
+
+def _write(answer: Answer, files: Files, record: Record) -> None:
+    for name, write in writers(record).items():
+        files.write(name, write)
+    answer.document["files"] = files.written
+    answer.show(heading("Files"), files_written(files.written))
+    if files.problems:
+        raise OutputError(files.problems)
+
+
+def _record_view(record: Record) -> list[Any]:
+    parts: list[Any] = [heading(record.title, "validation record"), record.statement]
+    kinds = list(record.filters)
+    for run in record.runs:
+        rows = [
+            (
+                claim.name,
+                _range(claim.low, claim.high, claim.unit),
+                *(found_text(claim, kind) for kind in kinds),
+                claim.verdict,
+            )
+            for claim in record.claims
+            if claim.run == run
+        ]
+        heads = ("", "published", *kinds, "verdict")
+        parts += [heading(run), table(heads, "Lr" + "r" * len(kinds) + "L", rows)]
+    inputs = ", ".join(source.path for source in record.doubtful_inputs)
+    parts += [
+        heading("Filters"),
+        facts([("published", record.published_filter), *record.filters.items()]),
+        heading("Inputs that rest on memory"),
+        inputs or "none",
+    ]
+    return parts
+
+
+def _range(low: float, high: float, unit: str) -> str:
+    return f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"

@@ -1,0 +1,203 @@
+"""One command under way: where it writes, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DONE, FAILED, REFUSED = 0, 1, 2
+
+DEBUG = "TAUTWIRE_DEBUG"
+"""Environment variable; ``1`` shows tracebacks."""
+
+
+class OutputError(TautwireError):
+    """A result was computed but could not be written.
+
+    Parameters
+    ----------
+    problems
+        One sentence per file.
+    """
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class Interrupted(BaseException):
+    """A signal asks to stop at once.
+
+    Parameters
+    ----------
+    number
+        Number of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(f"interrupted by signal {number}")
+
+
+@dataclass
+class Answer:
+    """What a command says, and where.
+
+    Attributes
+    ----------
+    as_json : bool
+        Standard output takes the JSON document instead of text.
+    document : dict
+        The JSON document.
+    exit_code : int
+    """
+
+    as_json: bool
+    document: dict[str, Any] = field(default_factory=dict)
+    exit_code: int = DONE
+
+    @cached_property
+    def out(self) -> Console:
+        """Standard output, for people."""
+        return _console(stderr=False)
+
+    @cached_property
+    def err(self) -> Console:
+        """Standard error."""
+        return _console(stderr=True)
+
+    def show(self, *parts: Any) -> None:
+        """Print tables and texts for people; nothing in JSON mode."""
+        if not self.as_json:
+            for part in parts:
+                self.out.print(part)
+
+    def say(self, text: str, style: str = "dim") -> None:
+        """Print a line on standard error."""
+        self.err.print(text, style=style, soft_wrap=True)
+
+    def warn(self, texts: Sequence[str]) -> None:
+        """Print warnings on standard error."""
+        for text in texts:
+            self._labelled("warning", text, "yellow")
+
+    def fail(self, kind: str, problems: Sequence[str], exit_code: int) -> None:
+        """Report problems on standard error and in the document."""
+        self.exit_code = exit_code
+        self.document["error"] = {"kind": kind, "problems": list(problems)}
+        if len(problems) > 1:
+            self._labelled("error", f"{len(problems)} problems", "bold red")
+            for number, problem in enumerate(problems, 1):
+                self.err.print(f" {number:2d}. {problem}", soft_wrap=True)
+        else:
+            self._labelled("error", "".join(problems), "bold red")
+
+    def close(self) -> None:
+        """Print the JSON document."""
+        if self.as_json:
+            sys.stdout.write(json.dumps(plain(self.document), indent=1, allow_nan=False) + "\n")
+            sys.stdout.flush()
+
+    def _labelled(self, label: str, text: str, style: str) -> None:
+        from rich.text import Text
+
+        self.err.print(Text.assemble((f"{label}:", style), " ", text), soft_wrap=True)
+
+
+@contextmanager
+def answering(as_json: bool) -> Iterator[Answer]:
+    """Run a command: print its document, and turn errors into messages and exit codes.
+
+    Parameters
+    ----------
+    as_json : bool
+        Whether standard output takes one JSON document.
+
+    Yields
+    ------
+    Answer
+
+    Raises
+    ------
+    typer.Exit
+        With the exit code, unless it is 0.
+    """
+    answer = Answer(as_json)
+    try:
+        yield answer
+    except (typer.Exit, BrokenPipeError):
+        raise
+    except (Exception, KeyboardInterrupt, Interrupted) as error:
+        if os.environ.get(DEBUG) == "1":
+            raise
+        answer.fail(*_explain(error))
+    answer.close()
+    if answer.exit_code != DONE:
+        raise typer.Exit(answer.exit_code)
+
+
+def plain(value: Any) -> Any:
+    """Return data that JSON knows; a number that is not finite becomes None.
+
+    Parameters
+    ----------
+    value
+        Mappings, sequences, texts, Python and NumPy numbers and arrays, nested as needed.
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
+    """Return kind, sentences and exit code of an error."""
+    if isinstance(error, InputError):
+        return "input", error.problems, REFUSED
+    if isinstance(error, ModelError):
+        return "model", str(error).splitlines(), REFUSED
+    if isinstance(error, ConvergenceError):
+        return "computation", [str(error)], FAILED
+    if isinstance(error, OutputError):
+        return "output", error.problems, FAILED
+    if isinstance(error, Interrupted):
+        return "interrupted", ["interrupted; nothing was kept"], 128 + error.number
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", ["interrupted; nothing was kept"], 130
+    if isinstance(error, MemoryError):
+        cure = "use fewer spans (line.spans) or nodes (settings.nodes_between_droppers)"
+        return "memory", [f"there is not enough memory; {cure}"], FAILED
+    return "internal", [_unexpected(error)], FAILED
+
+
+def _unexpected(error: BaseException) -> str:
+    what = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+    return (
+        f"something went wrong inside tautwire ({what}); please report it with the case file. "
+        f"{DEBUG}=1 shows where it happened"
+    )
+
+
+def _console(*, stderr: bool) -> Console:
+    from rich.console import Console
+
+    return Console(stderr=stderr, markup=False, highlight=False, emoji=False)

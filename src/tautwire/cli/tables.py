@@ -1,0 +1,82 @@
+"""Tables and texts for the terminal, readable at 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from rich import box
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+STYLES = {
+    "inside": "green",
+    "passed": "green",
+    "done": "green",
+    "unverified": "yellow",
+    "partial": "yellow",
+    "outside": "red",
+    "failed": "bold red",
+}
+
+
+def heading(text: str, detail: str = "") -> Padding:
+    """Return a heading with an empty line above it."""
+    parts: list[Any] = [(text, "bold")]
+    if detail:
+        parts.append((f"  {detail}", "dim"))
+    return Padding(Text.assemble(*parts), (1, 0, 0, 0))
+
+
+def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Table:
+    """Return a table.
+
+    Parameters
+    ----------
+    heads : sequence of str
+    align : str
+        One letter per column: ``l``, ``r``, or ``L`` for a column that gives way when the
+        terminal is narrow.
+    rows : iterable of sequence of str
+        A word with a meaning of its own (``inside``, ``unverified`` ...) is coloured.
+    """
+    result = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
+    for head, letter in zip(heads, align, strict=True):
+        result.add_column(
+            head,
+            justify="right" if letter == "r" else "left",
+            no_wrap=letter in "lr",
+            overflow="fold",
+            header_style="dim",
+        )
+    for row in rows:
+        result.add_row(*(Text(cell, style=STYLES.get(cell, "")) for cell in row))
+    return result
+
+
+def facts(pairs: Iterable[tuple[str, str]]) -> Table:
+    """Return names and values side by side."""
+    result = Table.grid(padding=(0, 2))
+    result.add_column(style="dim", no_wrap=True)
+    result.add_column(overflow="fold")
+    for name, value in pairs:
+        result.add_row(name, Text(value, style=STYLES.get(value, "")))
+    return result
+
+
+def files_written(written: dict[str, str]) -> Table:
+    """Return the names of the files that were written, with what each is for."""
+    return facts((_PURPOSE.get(name, name), path) for name, path in written.items())
+
+
+_PURPOSE = {
+    "report.html": "report",
+    "run.nc": "histories",
+    "static.nc": "static state",
+    "results.json": "results",
+    "static.json": "results",
+    "droppers.csv": "dropper table",
+    "elasticity.csv": "elasticity",
+    "force.csv": "force history",
+}

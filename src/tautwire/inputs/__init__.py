@@ -1,0 +1,1 @@
+"""From files to a validated case: includes, tables, overrides, and messages a person can use."""

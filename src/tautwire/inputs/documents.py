@@ -1,0 +1,224 @@
+"""YAML, TOML and JSON texts turned into plain data, refusing what is ambiguous or hostile.
+
+YAML is read with the plain scalars of YAML 1.2: only ``true`` and ``false`` are booleans, ``1e-4``
+is a number, and ``1:30`` or ``2015-01-01`` are texts.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from typing import Any
+
+import yaml
+
+from tautwire.errors import InputError
+
+SUFFIXES = (".yaml", ".yml", ".toml", ".json")
+MAX_DEPTH = 30
+MAX_VALUES = 200_000
+_TOO_MANY = (
+    f"it holds, or its aliases expand to, more than {MAX_VALUES} values; write values out instead "
+    "of using aliases, and keep long tables in CSV files ('tables')"
+)
+
+
+def parse_document(text: str, label: str, suffix: str) -> dict[str, Any]:
+    """Parse a document whose top level is a mapping.
+
+    Parameters
+    ----------
+    text
+        Content of the file.
+    label
+        Name of the file in messages.
+    suffix
+        ``.yaml``, ``.yml``, ``.toml`` or ``.json``.
+
+    Raises
+    ------
+    InputError
+        When the text is malformed, repeats a key, is nested too deeply, expands to too much, or
+        is not a mapping.
+    """
+    parse = {".toml": _parse_toml, ".json": _parse_json}.get(suffix.lower(), _parse_yaml)
+    try:
+        data = parse(text)
+    except RecursionError:
+        raise InputError(f"{label}: is nested too deeply; {MAX_DEPTH} levels are allowed") from None
+    except yaml.MarkedYAMLError as error:
+        raise InputError(f"{label}: {_yaml_problem(error)}") from None
+    except (ValueError, yaml.YAMLError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(f"{label}: cannot be read as {_language(suffix)}: {reason}") from None
+    if not isinstance(data, dict):
+        raise InputError(
+            f"{label}: must be a mapping with keys such as 'line' and 'wires', not {_kind(data)}"
+        )
+    _check_depth(data, label)
+    return data
+
+
+def parse_value(text: str) -> Any:
+    """Parse one value as in a YAML file: a number, a text with a unit, a list, a mapping.
+
+    Raises
+    ------
+    ValueError
+        When the text is not one YAML value.
+    """
+    try:
+        return _parse_yaml(text)
+    except (yaml.YAMLError, RecursionError) as error:
+        problem = getattr(error, "problem", None) or "it cannot be parsed"
+        raise ValueError(f"the value {text[:60]!r} is malformed: {problem}") from None
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader with YAML 1.2 scalars, a limit on depth, and no repeated keys."""
+
+    yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012
+    depth = 0
+    values = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose a node, unless it lies too deep or there are too many."""
+        self.depth += 1
+        self.values += 1
+        if self.depth > MAX_DEPTH:
+            raise RecursionError
+        if self.values > MAX_VALUES:
+            raise ValueError(_TOO_MANY)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002
+        """Construct a mapping whose keys are distinct texts."""
+        seen: set[str] = set()
+        for key_node, _ in node.value:
+            mark = key_node.start_mark
+            if key_node.tag != "tag:yaml.org,2002:str":
+                raise yaml.MarkedYAMLError(problem="a key must be a word", problem_mark=mark)
+            if key_node.value in seen:
+                raise yaml.MarkedYAMLError(
+                    problem=f"the key {key_node.value!r} is given twice; keep one of them",
+                    problem_mark=mark,
+                )
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep=deep)
+
+
+_SCALARS = (
+    ("null", r"~|null|Null|NULL|", "~nN\0"),
+    ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    ("int", r"[-+]?[0-9]+", "-+0123456789"),
+    (
+        "float",
+        r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.inf|\.nan",
+        "-+0123456789.",
+    ),
+)
+
+
+def _construct_int(loader: _Loader, node: Any) -> int:
+    return int(loader.construct_scalar(node))
+
+
+for _name, _pattern, _first in _SCALARS:
+    _Loader.add_implicit_resolver(
+        f"tag:yaml.org,2002:{_name}",
+        re.compile(rf"(?:{_pattern})\Z"),
+        ["" if letter == "\0" else letter for letter in _first],
+    )
+_Loader.add_constructor("tag:yaml.org,2002:int", _construct_int)
+
+
+def _parse_yaml(text: str) -> Any:
+    loader = _Loader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        _check_expansion(node)
+        return loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
+def _check_expansion(root: yaml.Node) -> None:
+    """Refuse aliases that refer to themselves or multiply into a very large document."""
+    sizes: dict[int, int] = {}
+    open_nodes: set[int] = set()
+
+    def size(node: yaml.Node) -> int:
+        key = id(node)
+        if key in open_nodes:
+            raise yaml.MarkedYAMLError(
+                problem="an alias refers to itself", problem_mark=node.start_mark
+            )
+        if key not in sizes:
+            open_nodes.add(key)
+            sizes[key] = 1 + sum(size(child) for child in _children(node))
+            open_nodes.discard(key)
+        return sizes[key]
+
+    if size(root) > MAX_VALUES:
+        raise ValueError(_TOO_MANY)
+
+
+def _children(node: yaml.Node) -> list[yaml.Node]:
+    if isinstance(node, yaml.MappingNode):
+        return [part for pair in node.value for part in pair]
+    return node.value if isinstance(node, yaml.SequenceNode) else []
+
+
+def _parse_toml(text: str) -> Any:
+    return tomllib.loads(text)
+
+
+def _parse_json(text: str) -> Any:
+    return json.loads(text, object_pairs_hook=_distinct_keys, parse_constant=_refuse_constant)
+
+
+def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in result:
+            raise ValueError(f"the key {key!r} is given twice; keep one of them")
+        result[key] = value
+    return result
+
+
+def _refuse_constant(word: str) -> Any:
+    raise ValueError(f"{word} is not a finite number")
+
+
+def _check_depth(data: Any, label: str) -> None:
+    level: list[Any] = [data]
+    for _ in range(MAX_DEPTH):
+        level = [
+            item
+            for value in level
+            if isinstance(value, (dict, list))
+            for item in (value.values() if isinstance(value, dict) else value)
+        ]
+        if not level:
+            return
+    raise InputError(f"{label}: is nested too deeply; {MAX_DEPTH} levels are allowed")
+
+
+def _yaml_problem(error: yaml.MarkedYAMLError) -> str:
+    mark = error.problem_mark or error.context_mark
+    place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark is not None else ""
+    words = [word for word in (error.context, error.problem) if word]
+    return place + (": ".join(words) or "is not valid YAML")
+
+
+def _language(suffix: str) -> str:
+    return {".toml": "TOML", ".json": "JSON"}.get(suffix.lower(), "YAML")
+
+
+def _kind(data: object) -> str:
+    return {list: "a list", str: "a text", type(None): "nothing"}.get(type(data), "a single value")

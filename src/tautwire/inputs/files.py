@@ -1,0 +1,105 @@
+"""Reading of text files, with a reason and a cure for everything that can be wrong with one."""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
+from tautwire.errors import InputError
+
+MAX_CASE_BYTES = 1_000_000
+MAX_TABLE_BYTES = 20_000_000
+
+
+def read_case_text(path: Path) -> str:
+    """Read a case file (YAML, TOML, JSON) of at most 1 MB.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as text.
+    """
+    text = _read_text(path, MAX_CASE_BYTES, "a case file; keep long tables in CSV files ('tables')")
+    if not text.strip():
+        raise InputError(
+            f"{path}: is empty; 'tautwire cases ac-simple --copy my-line.yaml' writes a file to "
+            "start from"
+        )
+    return text
+
+
+def read_table_text(path: Path) -> str:
+    """Read a CSV table of at most 20 MB.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as text.
+    """
+    text = _read_text(path, MAX_TABLE_BYTES, "a table; split the file or thin out its rows")
+    if not text.strip():
+        raise InputError(f"{path}: is empty; a table has a header row and one row per item")
+    return text
+
+
+def did_you_mean(word: str, candidates: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the closest candidate, or an empty text."""
+    lowered = {candidate.lower(): candidate for candidate in candidates}
+    close = get_close_matches(word.lower(), lowered, n=1, cutoff=0.6)
+    return f"; did you mean {lowered[close[0]]!r}?" if close else ""
+
+
+def neighbours(path: Path) -> list[str]:
+    """Return the names of the files beside a path, for suggestions; empty when unreadable."""
+    try:
+        return [entry.name for entry in path.parent.iterdir() if entry.is_file()]
+    except OSError:
+        return []
+
+
+def _read_text(path: Path, limit: int, use: str) -> str:
+    size = _size_of_regular_file(path)
+    if size > limit:
+        raise InputError(
+            f"{path}: has {size / 1e6:.1f} MB; at most {limit / 1e6:g} MB are read as {use}"
+        )
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(_unreadable(path, error)) from None
+    return _decoded(path, content)
+
+
+def _size_of_regular_file(path: Path) -> int:
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        hint = did_you_mean(path.name, neighbours(path))
+        raise InputError(f"{path}: there is no such file{hint or '; check the path'}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(_unreadable(path, error)) from None
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError(f"{path}: is a directory; give the path of a file in it")
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(f"{path}: is not a regular file; give the path of a text file")
+    return status.st_size
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or str(error)
+    return f"{path}: cannot be read ({reason}); check the path and its permissions"
+
+
+def _decoded(path: Path, content: bytes) -> str:
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: is not UTF-8 text (byte {error.start + 1}); save it as UTF-8, and check "
+            "that it is a text file"
+        ) from None
+    if "\0" in text:
+        raise InputError(f"{path}: is a binary file; a text file is needed")
+    return text

@@ -1,0 +1,192 @@
+"""Tables that describe a line: supports, droppers, and the motion of a roof."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from tautwire.inputs.paths import Path as ValuePath
+from tautwire.inputs.tables import COUNT, Column, Table, read_table
+
+SUPPORT_COLUMNS = (
+    Column("support", COUNT, required=True),
+    Column("x", "m"),
+    Column("span_length", "m"),
+    Column("contact_height", "m"),
+    Column("encumbrance", "m"),
+    Column("contact_stagger", "m"),
+    Column("messenger_stagger", "m"),
+    Column("arm_end_y", "m"),
+    Column("arm_end_z", "m"),
+)
+DROPPER_COLUMNS = (
+    Column("span", COUNT, required=True),
+    Column("dropper", COUNT, required=True),
+    Column("position", "m", required=True),
+    Column("presag", "m"),
+    Column("length", "m"),
+)
+ROOF_COLUMNS = (Column("time", "s", required=True), Column("height", "m", required=True))
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """What a table says about a case.
+
+    Attributes
+    ----------
+    values
+        Part of a case as plain data, to be merged into it.
+    origins
+        The cell from which each single value was read.
+    """
+
+    values: dict[str, Any]
+    origins: dict[ValuePath, str]
+
+
+def read_support_table(path: Path) -> Overlay:
+    """Read ``supports.csv``: one row per support, both anchors included.
+
+    Columns: ``support`` (1, 2, 3 ...), and as far as they are known ``x`` or ``span_length`` (of
+    the span that begins at the support; empty in the last row), ``contact_height``,
+    ``encumbrance``, ``contact_stagger``, ``messenger_stagger``, ``arm_end_y``, ``arm_end_z``
+    (both empty at the anchors).
+
+    Raises
+    ------
+    InputError
+        Naming line and column of everything that is wrong.
+    """
+    table = read_table(path, SUPPORT_COLUMNS)
+    _check_count(table, "support", table.full_column("support"))
+    lengths, length_name = _span_lengths(table)
+    names = [
+        column.name
+        for column in SUPPORT_COLUMNS
+        if column.name in table.columns and column.name not in ("support", "x", "span_length")
+    ]
+    supports: dict[str, Any] = {}
+    origins: dict[ValuePath, str] = {}
+    for name in names:
+        is_arm = name.startswith("arm_end")
+        supports[name] = table.columns[name] if is_arm else table.full_column(name)
+        for row in range(len(table.lines)):
+            origins["supports", name, row] = table.cell(row, name)
+    table.raise_problems()
+    line: dict[str, Any] = {"spans": len(table.lines) - 1}
+    if length_name:
+        line["span_length"] = lengths
+        for row in range(len(lengths)):
+            origins["line", "span_length", row] = table.cell(row, length_name)
+    return Overlay({"line": line} | ({"supports": supports} if supports else {}), origins)
+
+
+def read_dropper_table(path: Path) -> Overlay:
+    """Read ``droppers.csv``: one row per dropper, span by span, from left to right.
+
+    Columns: ``span``, ``dropper`` (1, 2, 3 ... in each span), ``position`` from the left support,
+    and ``presag`` or ``length`` or both (``droppers.mode`` says which is used).
+
+    Raises
+    ------
+    InputError
+        Naming line and column of everything that is wrong.
+    """
+    table = read_table(path, DROPPER_COLUMNS)
+    numbers = [int(n) for n in table.full_column("dropper")]
+    spans = _check_order(table, [int(n) for n in table.full_column("span")], numbers)
+    droppers: dict[str, Any] = {}
+    origins: dict[ValuePath, str] = {}
+    for name, key in (("position", "positions"), ("presag", "presag"), ("length", "lengths")):
+        if name not in table.columns:
+            continue
+        values = table.full_column(name)
+        droppers[key] = [[values[row] for row in rows] for rows in spans]
+        for span, rows in enumerate(spans):
+            for number, row in enumerate(rows):
+                origins["droppers", key, span, number] = table.cell(row, name)
+    if "presag" not in droppers and "lengths" not in droppers:
+        table.problems.append(
+            f"{path}: has neither a column 'presag' nor a column 'length'; add one of them"
+        )
+    table.raise_problems()
+    return Overlay({"droppers": droppers}, origins)
+
+
+def read_roof_table(path: Path) -> dict[str, list[float]]:
+    """Read the motion of a roof: columns ``time`` and ``height``.
+
+    Raises
+    ------
+    InputError
+        Naming line and column of everything that is wrong.
+    """
+    table = read_table(path, ROOF_COLUMNS)
+    motion = {name: table.full_column(name) for name in ("time", "height")}
+    table.raise_problems()
+    return motion
+
+
+def _check_count(table: Table, name: str, numbers: Sequence[float]) -> None:
+    if len(numbers) < 2:
+        table.problems.append(f"{table.label}: has one row; a line has at least two supports")
+    for row, number in enumerate(numbers):
+        if number != row + 1:
+            table.complain(row, name, f"got {number:g}, expected {row + 1}; number them in order")
+            return
+
+
+def _span_lengths(table: Table) -> tuple[list[float], str]:
+    """Return the span lengths and the column they come from; nothing where neither is given."""
+    if "x" in table.columns and "span_length" in table.columns:
+        table.problems.append(
+            f"{table.label}: has both columns 'x' and 'span_length'; keep one of them"
+        )
+        return [], ""
+    if "x" in table.columns:
+        x = table.full_column("x")
+        for row in range(1, len(x)):
+            if x[row] <= x[row - 1]:
+                table.complain(row, "x", f"got {x[row]:g} m after {x[row - 1]:g} m; must increase")
+        return [right - left for left, right in pairwise(x)], "x"
+    if "span_length" in table.columns:
+        *lengths, last = table.columns["span_length"]
+        for row, length in enumerate(lengths):
+            if length is None:
+                table.complain(row, "span_length", "is empty; only the last support begins no span")
+        if last is not None:
+            table.complain(
+                len(lengths), "span_length", "must be empty: the last support begins no span"
+            )
+        return [0.0 if length is None else length for length in lengths], "span_length"
+    return [], ""
+
+
+def _check_order(table: Table, spans: Sequence[int], numbers: Sequence[int]) -> list[list[int]]:
+    """Return the rows of each span, noting rows that are missing, repeated or out of order."""
+    rows: list[list[int]] = []
+    for row, (span, number) in enumerate(zip(spans, numbers, strict=True)):
+        if span == len(rows) + 1:
+            rows.append([])
+        if span != len(rows):
+            table.complain(
+                row,
+                "span",
+                f"got {span}, expected {max(len(rows), 1)} or {len(rows) + 1}; list "
+                "the droppers span by span",
+            )
+            return rows
+        rows[-1].append(row)
+        if number != len(rows[-1]):
+            table.complain(
+                row,
+                "dropper",
+                f"got {number}, expected {len(rows[-1])}; number the droppers of "
+                "each span 1, 2, 3 ... from left to right",
+            )
+            return rows
+    return rows

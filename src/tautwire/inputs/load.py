@@ -1,0 +1,115 @@
+"""The door: a library name or a file becomes a validated case, or all its faults are told."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tautwire import library
+from tautwire.errors import InputError
+from tautwire.inputs.composition import Composition, compose
+from tautwire.inputs.messages import describe
+from tautwire.inputs.overrides import Overrides, apply_overrides
+from tautwire.inputs.paths import PathError, find_target, parse_path
+from tautwire.specs.case import SCHEMA_VERSION, Case
+
+
+def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:
+    """Load a case from the library or from a YAML, TOML or JSON file.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a library case, such as ``"ac-simple"``, or path of a file.
+    overrides
+        Values that replace those of the file: a mapping from path to value, or texts
+        ``"path=value"``. Items of lists are numbered from 1, as in ``"droppers.presag[5]"``.
+
+    Returns
+    -------
+    Case
+        The validated case.
+
+    Raises
+    ------
+    InputError
+        When anything is wrong; every fault is named with its place and its cure.
+
+    Examples
+    --------
+    >>> load_case("ac-simple", ["scenario.speed=275 km/h"]).scenario.target_mean_force()
+    143.35625
+    """
+    reference = name_or_path if isinstance(name_or_path, str) else Path(name_or_path)
+    _refuse_pantograph(reference)
+    return _validated(compose(reference), overrides)
+
+
+def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
+    """Validate a case given as plain data, as a file would hold it after its includes.
+
+    Parameters
+    ----------
+    data
+        The case; quantities are SI numbers or texts with a unit.
+    overrides
+        Values that replace those of the data, as in :func:`load_case`.
+
+    Raises
+    ------
+    InputError
+        When anything is wrong; every fault is named with its place and its cure.
+    """
+    values = {"schema": SCHEMA_VERSION, **data}
+    return _validated(Composition("case", values=values), overrides)
+
+
+def _refuse_pantograph(reference: str | Path) -> None:
+    for entry in library.list_entries():
+        if entry.name == reference and entry.kind != "case":
+            raise InputError(
+                f"{entry.name}: is a {entry.kind}, not a case; put 'include: {entry.name}' into "
+                "the pantographs of a case"
+            )
+
+
+def _validated(composition: Composition, overrides: Overrides) -> Case:
+    data, problems = apply_overrides(composition.values, overrides)
+    for part in composition.incomplete:
+        data.pop(part, None)
+    if "schema" not in data:
+        problems.append(
+            f"schema: is missing; write 'schema: {SCHEMA_VERSION}', the version of the input format"
+        )
+    problems += _unknown_sources(data)
+    case = None
+    try:
+        case = Case.model_validate(data)
+    except ValidationError as error:
+        problems += [
+            sentence
+            for sentence in describe(error, data, composition.origins)
+            if not sentence.startswith(tuple(composition.incomplete))
+        ]
+    told = [*composition.problems, *(f"{composition.label}: {text}" for text in problems)]
+    if case is None or told:
+        raise InputError(told)
+    return case
+
+
+def _unknown_sources(data: Mapping[str, Any]) -> list[str]:
+    """Name the entries of 'sources' whose path leads to nothing."""
+    problems = []
+    entries = data.get("sources")
+    for entry in entries if isinstance(entries, list) else []:
+        path = entry.get("path") if isinstance(entry, Mapping) else None
+        if isinstance(path, str):
+            try:
+                find_target(parse_path(path))
+            except PathError as error:
+                problems.append(f"sources: the path {path!r} leads to nothing: {error}")
+    return problems

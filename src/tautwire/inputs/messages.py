@@ -1,0 +1,251 @@
+"""Faults found by validation, said in the user's words: where, what was got, what is allowed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from itertools import accumulate
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
+
+from tautwire.inputs.files import did_you_mean
+from tautwire.inputs.paths import (
+    Path,
+    Target,
+    fields_by_key,
+    find_target,
+    format_path,
+    unknown_key,
+    value_at,
+    without_forms,
+)
+from tautwire.specs.base import (
+    LIST,
+    MAPPING,
+    SCALAR,
+    TABLE,
+    ContradictionError,
+    Problem,
+    Quantity,
+)
+from tautwire.specs.case import Case
+from tautwire.specs.checks import find_contradictions
+from tautwire.units import UnitError, expectation, parse_quantity
+
+Data = Mapping[str, Any]
+
+_BOUNDS = {
+    "greater_than": ("gt", "greater than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_FORMS = {
+    SCALAR: "a single value",
+    LIST: "a list [...]",
+    TABLE: "a list of lists, one per span",
+    MAPPING: "a mapping {...}",
+    "contact": "the word 'contact'",
+}
+_SLIPS = {"m": "mm", "m/s": "km/h", "s": "ms"}
+_EXPECTED = {
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "a text (put a number in quotes)",
+    "tuple_type": "a list, as in [1, 2, 3]",
+    "string_pattern_mismatch": "a name without slashes and control characters",
+}
+
+
+def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) -> list[str]:
+    """Write one sentence per fault, contradictions between the valid parts included.
+
+    Parameters
+    ----------
+    error
+        What validation of the case raised.
+    data
+        The case as plain data, as the user wrote it.
+    origins
+        Where single values were read from, such as a cell of a table.
+    """
+    faults = error.errors(include_url=False)
+    problems = [problem for fault in faults for problem in _problems(fault, data)]
+    if all(fault["loc"] for fault in faults):
+        problems += find_contradictions(_valid_parts(data))
+    return list(dict.fromkeys(_sentence(problem, data, origins) for problem in problems))
+
+
+def place_of(path: Path, data: Data) -> str:
+    """Say which dropper, support, span or stage a path means, with x where it is known."""
+    match path:
+        case ("droppers", "positions" | "presag" | "lengths", int(span), int(dropper)):
+            return f"dropper {dropper + 1} of span {span + 1}{_dropper_x(data, span, dropper)}"
+        case ("droppers", "positions" | "presag" | "lengths", int(item)):
+            is_list = isinstance(value_at(data, path), (list, tuple))
+            return f"span {item + 1}" if is_list else f"dropper {item + 1} of every span"
+        case ("supports", str(), int(support)):
+            return f"support {support + 1}{_support_x(data, support)}"
+        case ("line", "span_length", int(span)):
+            return f"span {span + 1}"
+        case ("pantographs", int(number), "stages", int(stage), *_):
+            return f"stage {stage + 1} of pantograph {_pantograph_name(data, number)}"
+        case ("sources", int(), *_):
+            entry = value_at(data, (*path[:2], "path"))
+            return f"entry for {entry!r}" if isinstance(entry, str) else ""
+        case ("pantographs", int(number), *_):
+            return f"pantograph {_pantograph_name(data, number)}"
+        case _:
+            return ""
+
+
+def _sentence(problem: Problem, data: Data, origins: Mapping[Path, str]) -> str:
+    where = format_path(problem.path) or "the case"
+    notes = (origins.get(problem.path, ""), place_of(problem.path, data))
+    note = "; ".join(filter(None, notes))
+    return f"{where} ({note}): {problem.text}" if note else f"{where}: {problem.text}"
+
+
+def _problems(fault: ErrorDetails, data: Data) -> list[Problem]:
+    """Return what one fault says; nothing for a list that is short because items are at fault."""
+    path = without_forms(fault["loc"])
+    context = fault.get("ctx", {})
+    cause = context.get("error")
+    if isinstance(cause, ContradictionError):
+        return [problem.under(*path) for problem in cause.problems]
+    if isinstance(cause, ValueError):
+        return [Problem(_as_written(path, data), str(cause))]
+    if fault["type"] == "too_short" and len(fault["input"]) >= context["min_length"]:
+        return []
+    if fault["type"] == "missing" and isinstance(path[-1], int):
+        path = path[:-1]
+        return [Problem(path, f"has too few values. {_description(find_target(path))}")]
+    return [Problem(_as_written(path, data), _text(fault, path, data))]
+
+
+def _as_written(path: Path, data: Data) -> Path:
+    """Shorten a path that goes on inside a word, such as ``line.ends.left`` in ``ends: fixed``."""
+    for depth in range(1, len(path)):
+        if isinstance(value_at(data, path[:depth]), (str, int, float)):
+            return path[:depth]
+    return path
+
+
+def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
+    kind, limits = fault["type"], fault.get("ctx", {})
+    if kind == "extra_forbidden":
+        parent = find_target(path[:-1]).spec
+        return unknown_key(str(path[-1]), fields_by_key(parent) if parent is not None else {})
+    target = find_target(path)
+    if kind == "missing":
+        return f"is missing: {_description(target)}{_wanted_quantity(target.quantity)}"
+    written = value_at(data, path)
+    got = f"got {_shown(fault['input'] if written is None else written)}"
+    if kind in _BOUNDS:
+        return got + _out_of_range(fault, target, written)
+    if kind == "literal_error":
+        words = str(limits["expected"])
+        close = did_you_mean(str(fault["input"]), re.findall(r"'([^']*)'", words))
+        return f"{got}; choose {words}{close}"
+    if kind in ("too_short", "too_long"):
+        bound = limits.get("min_length", limits.get("max_length"))
+        side = "at least" if kind == "too_short" else "at most"
+        return f"has {limits['actual_length']} values; give {side} {bound}"
+    if kind in _EXPECTED:
+        return f"{got}; expected {_EXPECTED[kind]}"
+    if kind == "union_tag_invalid":
+        return f"{got}; expected {_wanted_forms(limits)}{_wanted_quantity(target.quantity)}"
+    if kind == "model_type" and target.spec is not None:
+        return f"{got}; expected a mapping with the keys {', '.join(fields_by_key(target.spec))}"
+    return f"{got}; {fault['msg'][:1].lower()}{fault['msg'][1:]}"
+
+
+def _description(target: Target) -> str:
+    return (target.field.description if target.field is not None else None) or "Give a value."
+
+
+def _wanted_quantity(quantity: Quantity | None) -> str:
+    return f" Expected: {expectation(quantity.unit)}" if quantity is not None else ""
+
+
+def _wanted_forms(limits: Mapping[str, Any]) -> str:
+    tags = [tag.strip("' ") for tag in str(limits["expected_tags"]).split(",")]
+    return " or ".join(_FORMS.get(tag, tag) for tag in tags) + "."
+
+
+def _out_of_range(fault: ErrorDetails, target: Target, written: Any) -> str:
+    key, words = _BOUNDS[fault["type"]]
+    bound = fault.get("ctx", {})[key]
+    quantity = target.quantity
+    if quantity is None:
+        return f"; must be {words} {bound}"
+    si = f" ({fault['input']:g} {quantity.unit})" if isinstance(written, str) else ""
+    typical = f" (typical: {quantity.typical})" if quantity.typical else ""
+    allowed = f"; must be {words} {bound:g} {quantity.unit}".rstrip()
+    return f"{si}{allowed}{typical}{_slip(quantity, written)}"
+
+
+def _slip(quantity: Quantity, written: Any) -> str:
+    """Suggest the everyday unit when the bare number fits in it."""
+    unit = _SLIPS.get(quantity.unit)
+    if unit is None or not isinstance(written, (int, float)):
+        return ""
+    text = f"{written:g} {unit}"
+    value = parse_quantity(text, quantity.unit)
+    low = max((b for b in (quantity.gt, quantity.ge) if b is not None), default=value)
+    high = min((b for b in (quantity.lt, quantity.le) if b is not None), default=value)
+    return f"; did you mean '{text}'?" if low <= value <= high else ""
+
+
+def _shown(value: object) -> str:
+    text = repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _valid_parts(data: Data) -> dict[str, Any]:
+    """Validate the parts of a case one by one and return those that are valid."""
+    parts = {}
+    for key, field in fields_by_key(Case).items():
+        if key not in data:
+            continue
+        try:
+            parts[key] = _validated(field.annotation, data[key])
+        except ValidationError:
+            continue
+    return parts
+
+
+def _validated(annotation: Any, value: Any) -> Any:
+    return TypeAdapter(annotation).validate_python(value)
+
+
+def _pantograph_name(data: Data, number: int) -> str:
+    name = value_at(data, ("pantographs", number, "name"))
+    return repr(name) if isinstance(name, str) else str(number + 1)
+
+
+def _support_x(data: Data, support: int) -> str:
+    try:
+        return f", x = {_span_starts(data)[support]:g} m"
+    except (UnitError, IndexError):
+        return ""
+
+
+def _dropper_x(data: Data, span: int, dropper: int) -> str:
+    positions = value_at(data, ("droppers", "positions"))
+    row = value_at(positions, (span,))
+    value = value_at(row if isinstance(row, (list, tuple)) else positions, (dropper,))
+    try:
+        return f", x = {_span_starts(data)[span] + parse_quantity(value, 'm'):g} m"
+    except (UnitError, IndexError):
+        return ""
+
+
+def _span_starts(data: Data) -> list[float]:
+    """Return the position of every support, raising UnitError where the line is not valid."""
+    length, spans = (value_at(data, ("line", key)) for key in ("span_length", "spans"))
+    if not isinstance(length, (list, tuple)):
+        length = [length] * (spans if isinstance(spans, int) and 0 < spans <= 1000 else 0)
+    return list(accumulate((parse_quantity(item, "m") for item in length), initial=0.0))

@@ -1,0 +1,285 @@
+"""Advice before long work: what the numerical choices of a case can and cannot resolve.
+
+Nothing is computed but closed forms. Every piece of advice has its numbers and its cure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal
+
+from tautwire.specs.case import Case
+
+Severity = Literal["refused", "warning", "note"]
+
+HEADLINE_CUTOFF = 20.0
+"""Upper end of the band of the headline figures [Hz]."""
+
+WIDEST_BAND = 200.0
+"""Upper end of the widest band for which a standard deviation is reported [Hz]."""
+
+STEPS_PER_PERIOD = 10.0
+"""Time steps per period below which an oscillation is distorted visibly."""
+
+SPANS_AT_ENDS = 1.5
+"""Spans next to an anchored end in which the contact force is disturbed."""
+
+SPEED_SHARE = 0.7
+"""Share of the wave speed above which waves gather before the pantograph."""
+
+_MOST_NODES = 200
+
+
+@dataclass(frozen=True)
+class Advice:
+    """One thing to know before computing.
+
+    Attributes
+    ----------
+    topic : str
+        A few words.
+    severity : str
+        ``"refused"``: a run will be refused; ``"warning"``: headline figures are at risk;
+        ``"note"``: only figures above 20 Hz, or one end of the line, are.
+    text : str
+        What is the matter, with numbers.
+    cure : str
+    """
+
+    topic: str
+    severity: Severity
+    text: str
+    cure: str
+
+    def __str__(self) -> str:
+        return f"{self.topic}: {self.text}; {self.cure}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the advice as plain data for JSON."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+def preflight(case: Case) -> tuple[Advice, ...]:
+    """Compare mesh, time step, line and speed of a case with what it is asked for.
+
+    Parameters
+    ----------
+    case
+        A validated case.
+
+    Returns
+    -------
+    tuple of Advice
+        Most severe first; empty when there is nothing to say.
+    """
+    found = [
+        *_trailing_pantograph(case),
+        *_speed(case),
+        *_start_of_section(case),
+        *_ends_of_line(case),
+        *_element_passing(case),
+        *_contact_resonance(case),
+        *_steps_per_element(case),
+        *_sampling(case),
+    ]
+    order: tuple[Severity, ...] = ("refused", "warning", "note")
+    return tuple(sorted(found, key=lambda advice: order.index(advice.severity)))
+
+
+def element_lengths(case: Case) -> tuple[float, float]:
+    """Return the lengths of the shortest and of the longest wire element of the mesh [m].
+
+    The intervals between neighbouring attachment points are divided evenly into
+    ``nodes_between_droppers - 1`` elements.
+    """
+    shortest, longest = _interval_range(case)
+    elements = case.settings.nodes_between_droppers - 1
+    return shortest / elements, longest / elements
+
+
+def _interval_range(case: Case) -> tuple[float, float]:
+    spans = case.line.span_lengths()
+    positions = case.droppers.positions_by_span(len(spans))
+    gaps = [
+        right - left
+        for length, droppers in zip(spans, positions, strict=True)
+        for left, right in pairwise((0.0, *droppers, length))
+    ]
+    return min(gaps), max(gaps)
+
+
+def _trailing_pantograph(case: Case) -> Iterator[Advice]:
+    """Tell that the last pantograph is still in the section when the leading one has arrived."""
+    first, last = case.resolved_section()
+    way = _way_through_section(case)
+    behind = case.pantographs[-1].behind
+    missing = way + behind - (case.line.length() - case.settings.start)
+    if missing > 1e-9:
+        yield Advice(
+            "line too short",
+            "refused",
+            f"when the leading pantograph reaches the end of the line, pantograph "
+            f"{case.pantographs[-1].name!r}, {behind:g} m behind, is still {missing:.0f} m inside "
+            f"the analysed section (spans {first} to {last})",
+            "add spans (line.spans) or end the section earlier (settings.section)",
+        )
+
+
+def _way_through_section(case: Case) -> float:
+    """Return the distance from the anchor behind the train to the far end of the section [m]."""
+    first, last = case.resolved_section()
+    supports = case.line.support_positions()
+    forward = case.scenario.direction == "+x"
+    return supports[last] if forward else supports[-1] - supports[first - 1]
+
+
+def _way_to_section(case: Case) -> float:
+    """Return the distance from the anchor behind the train to the section [m]."""
+    first, last = case.resolved_section()
+    supports = case.line.support_positions()
+    forward = case.scenario.direction == "+x"
+    return supports[first - 1] if forward else supports[-1] - supports[last]
+
+
+def _speed(case: Case) -> Iterator[Advice]:
+    speed, wave = case.scenario.speed, case.wires.contact.wave_speed()
+    if speed > SPEED_SHARE * wave:
+        tension = case.wires.contact.mass * (speed / SPEED_SHARE) ** 2
+        yield Advice(
+            "speed",
+            "warning",
+            f"{3.6 * speed:.4g} km/h is {speed / wave:.2f} of the wave speed of the contact wire "
+            f"({3.6 * wave:.4g} km/h); above {SPEED_SHARE:g} small changes of the input show "
+            "strongly",
+            f"go below {_rounded_down(3.6 * SPEED_SHARE * wave):g} km/h (scenario.speed) or raise "
+            f"wires.contact.tension to {1e-3 * tension:.1f} kN",
+        )
+
+
+def _start_of_section(case: Case) -> Iterator[Advice]:
+    """Tell that the uplift force is still growing where the statistics begin."""
+    settings = case.settings
+    way = _way_to_section(case) - settings.start
+    ramp = settings.ramp * case.scenario.speed
+    if way < ramp:
+        yield Advice(
+            "start",
+            "warning",
+            f"the analysed section begins {max(way, 0.0):.0f} m after the start, and the uplift "
+            f"force grows over {ramp:.0f} m (settings.ramp {settings.ramp:g} s)",
+            "begin the section later (settings.section), add spans, or shorten settings.ramp",
+        )
+
+
+def _ends_of_line(case: Case) -> Iterator[Advice]:
+    """Tell that the section comes close to an end of the line."""
+    first, last = case.resolved_section()
+    before, after = first - 1, case.line.spans - last
+    near = [
+        f"{count} span{'' if count == 1 else 's'} {where}"
+        for count, where in ((before, "before"), (after, "after"))
+        if count < SPANS_AT_ENDS
+    ]
+    if near:
+        yield Advice(
+            "ends of the line",
+            "warning",
+            f"the analysed section (spans {first} to {last} of {case.line.spans}) leaves only "
+            f"{' and '.join(near)} it; within {SPANS_AT_ENDS:g} spans of an anchored end the "
+            "contact force is disturbed",
+            "leave two spans at each end (settings.section) or add spans (line.spans)",
+        )
+
+
+def _element_passing(case: Case) -> Iterator[Advice]:
+    """Tell that the passing of elements, n v / L_e, falls into a band that is reported."""
+    _, longest = element_lengths(case)
+    frequency = case.scenario.speed / longest
+    if frequency > WIDEST_BAND:
+        return
+    in_headline = frequency <= HEADLINE_CUTOFF
+    needed = {band: _nodes_for(case, band) for band in (HEADLINE_CUTOFF, WIDEST_BAND)}
+    wanted = needed[HEADLINE_CUTOFF if in_headline else WIDEST_BAND]
+    cure = (
+        f"settings.nodes_between_droppers: {wanted} moves it out of that band"
+        if wanted <= _MOST_NODES
+        else "shorten the intervals between droppers, or do not use the bands above it"
+    )
+    if in_headline and needed[WIDEST_BAND] <= _MOST_NODES:
+        cure += f", {needed[WIDEST_BAND]} out of 0-{WIDEST_BAND:g} Hz"
+    band = HEADLINE_CUTOFF if in_headline else WIDEST_BAND
+    yield Advice(
+        "mesh",
+        "warning" if in_headline else "note",
+        f"elements of up to {longest:.3g} m are passed at multiples of {frequency:.0f} Hz, inside "
+        f"the band 0-{band:g} Hz; lines there are numerical",
+        cure,
+    )
+
+
+def _nodes_for(case: Case, band: float) -> int:
+    """Return the fewest nodes between droppers that keep element passing out of a band."""
+    _, interval = _interval_range(case)
+    return math.floor(band * interval / case.scenario.speed) + 2
+
+
+def _contact_resonance(case: Case) -> Iterator[Advice]:
+    """Tell that the time step cannot follow a head on its contact spring."""
+    step = case.settings.time_step
+    names: dict[float, list[str]] = {}
+    for pantograph in case.pantographs:
+        head = pantograph.stages[0]
+        stiffness = case.settings.contact_stiffness + head.stiffness
+        frequency = math.sqrt(stiffness / head.mass) / (2.0 * math.pi)
+        names.setdefault(frequency, []).append(repr(pantograph.name))
+    for frequency, heads in names.items():
+        steps = 1.0 / (frequency * step)
+        if steps < STEPS_PER_PERIOD:
+            longest = 1.0 / (frequency * STEPS_PER_PERIOD)
+            yield Advice(
+                "time step",
+                "warning",
+                f"on the contact spring the head of pantograph {' and '.join(heads)} oscillates at "
+                f"{frequency:.0f} Hz, {steps:.1f} steps of {1e3 * step:g} ms per period; "
+                f"{STEPS_PER_PERIOD:g} are needed to follow it",
+                f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or a lower "
+                "settings.contact_stiffness",
+            )
+
+
+def _steps_per_element(case: Case) -> Iterator[Advice]:
+    """Tell that a pantograph crosses an element in less than two steps."""
+    shortest, _ = element_lengths(case)
+    advance = case.scenario.speed * case.settings.time_step
+    if advance > 0.5 * shortest:
+        longest = 0.5 * shortest / case.scenario.speed
+        yield Advice(
+            "time step",
+            "note",
+            f"a pantograph advances {advance:.3g} m per step, more than half of the shortest "
+            f"element ({shortest:.3g} m)",
+            f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or fewer "
+            "settings.nodes_between_droppers",
+        )
+
+
+def _sampling(case: Case) -> Iterator[Advice]:
+    """Tell that bands reach the Nyquist frequency of the record."""
+    nyquist = 0.5 / case.settings.time_step
+    if nyquist <= WIDEST_BAND:
+        yield Advice(
+            "time step",
+            "warning" if nyquist <= HEADLINE_CUTOFF else "note",
+            f"with {1e3 * case.settings.time_step:g} ms the record holds nothing from "
+            f"{nyquist:.4g} Hz on; bands that reach it have no value",
+            f"settings.time_step below {500.0 / WIDEST_BAND:g} ms for all bands",
+        )
+
+
+def _rounded_down(value: float) -> float:
+    """Round down to two significant digits."""
+    scale = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / scale + 1e-9) * scale

@@ -1,0 +1,141 @@
+"""Static response to point forces: modified Newton with an exact account of slack droppers.
+
+The tangent of the unloaded line, with every dropper taut, is factored once. Slack droppers are
+taken out of it by a low-rank correction (Woodbury), so that only the small change of geometry is
+left to the iteration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.banded import BandedCholesky, Pattern
+from tautwire.numerics.system import System, internal_force, tangent_parts
+from tautwire.status import Status
+
+Array = NDArray[Any]
+
+_MODIFIED_ITERATIONS = 40
+_FULL_ITERATIONS = 60
+_SLOPE_STEP = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class StaticResponse:
+    """Static state under an extra load.
+
+    Attributes
+    ----------
+    status : Status
+    position : (n_dof,)
+    dropper_force : (n_dropper,) N
+    iterations : int
+    """
+
+    status: Status
+    position: Array
+    dropper_force: Array
+    iterations: int
+
+
+class StaticSolver:
+    """Solves ``Q(q) = load + extra`` for many extra loads on one line.
+
+    Parameters
+    ----------
+    system
+        The line; ``position`` is its unloaded static state.
+    increment
+        Largest change of a coordinate accepted as converged [m].
+    """
+
+    def __init__(self, system: System, increment: float = 1e-8) -> None:
+        self._system = system
+        self._increment = increment
+        self._pattern = Pattern(system)
+        state = system.dropper_state(system.position)
+        self._taut0 = state.length > system.dropper_length
+        factor = self._factor(system.position, self._taut0)
+        if factor is None:
+            raise ValueError("the tangent of the static state is not positive definite")
+        self._base = factor
+        self._columns = self._unit_dropper_loads(state.direction)
+        self._solved = factor.solve(self._columns)
+        self._flexibility = self._columns.T @ self._solved
+
+    def solve(self, extra: Array) -> StaticResponse:
+        """Return the static state under additional nodal loads ``extra`` ``(n_dof,)``."""
+        response = self._modified_newton(extra)
+        if response.status is Status.DONE:
+            return response
+        return self._full_newton(extra)
+
+    def _factor(self, q: Array, taut: NDArray[np.bool_]) -> BandedCholesky | None:
+        values = self._pattern.values(tangent_parts(self._system, q, taut=taut))
+        return BandedCholesky.of(self._pattern.upper_band(values))
+
+    def _unit_dropper_loads(self, direction: Array) -> Array:
+        """Return unit tensions of every dropper as nodal loads, ``(n_dof, n_dropper)``."""
+        system = self._system
+        columns = np.zeros((system.dof_count, len(system.dropper_length)))
+        for i, (top, bottom) in enumerate(system.dropper_nodes):
+            columns[6 * top : 6 * top + 3, i] = direction[:, i]
+            columns[6 * bottom : 6 * bottom + 3, i] = -direction[:, i]
+        columns[system.fixed] = 0.0
+        return columns
+
+    def _residual(self, q: Array, extra: Array) -> tuple[Array, Array]:
+        force = internal_force(self._system, q)
+        r = self._system.load + extra - force.nodal
+        r[self._system.fixed] = 0.0
+        return r, force.dropper_axial
+
+    def _size(self, dq: Array) -> float:
+        return float(np.abs(dq[self._system.translations]).max())
+
+    def _modified_newton(self, extra: Array) -> StaticResponse:
+        q = self._system.position.copy()
+        last = np.inf
+        for count in range(1, _MODIFIED_ITERATIONS + 1):
+            r, axial = self._residual(q, extra)
+            slack = np.flatnonzero(self._taut0 & (axial <= 0.0))
+            dq = self._base.solve(r)
+            if len(slack):
+                dq = self._without(slack, dq)
+            size = self._size(dq)
+            if not np.isfinite(size) or size > 10.0 * last:
+                break
+            q += dq
+            last = size
+            if size <= self._increment:
+                _, axial = self._residual(q, extra)
+                return StaticResponse(Status.DONE, q, axial, count)
+        return StaticResponse(Status.NOT_CONVERGED, q, axial, count)
+
+    def _without(self, slack: NDArray[np.int64], dq: Array) -> Array:
+        """Correct a solution for droppers that have gone slack."""
+        small = -np.diag(1.0 / self._system.dropper_stiffness[slack])
+        small += self._flexibility[np.ix_(slack, slack)]
+        amplitude = np.linalg.solve(small, self._columns[:, slack].T @ dq)
+        return dq - self._solved[:, slack] @ amplitude
+
+    def _full_newton(self, extra: Array) -> StaticResponse:
+        q = self._system.position.copy()
+        status = Status.NOT_CONVERGED
+        for count in range(1, _FULL_ITERATIONS + 1):
+            r, axial = self._residual(q, extra)
+            factor = self._factor(q, axial > 0.0)
+            if factor is None:
+                return StaticResponse(Status.SINGULAR, q, axial, count)
+            dq = factor.solve(r)
+            if not np.isfinite(self._size(dq)):
+                return StaticResponse(Status.NOT_FINITE, q, axial, count)
+            q += dq / max(1.0, float(np.abs(dq.reshape(-1, 6)[:, 3:]).max()) / _SLOPE_STEP)
+            if self._size(dq) <= self._increment:
+                status = Status.DONE
+                break
+        return StaticResponse(status, q, axial, count)

@@ -1,0 +1,72 @@
+"""Numbers and enumerations as a person reads them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+MISSING = "–"
+SPACE = "\N{NO-BREAK SPACE}"
+
+
+def band(name: str) -> str:
+    """Return a band named ``"5_20"`` as it is read, 5–20 Hz."""
+    return f"{name.replace('_', '–')}{SPACE}Hz"
+
+
+def number(value: float | None, digits: int = 1) -> str:
+    """Return a number with a fixed count of decimals, a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return MISSING
+    text = f"{value:.{digits}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("-")
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def quantity(value: float | None, unit: str, digits: int = 1) -> str:
+    """Return a number with its unit, a dash where there is none."""
+    text = number(value, digits)
+    return text if text == MISSING or not unit else f"{text}{SPACE}{unit}"
+
+
+def readable(value: float | None, unit: str) -> str:
+    """Return an SI number in the unit people use for it.
+
+    Parameters
+    ----------
+    value : float or None
+    unit : str
+        ``"N"``, ``"m"``, ``"%"`` or ``"1"``.
+    """
+    if unit == "m":
+        return quantity(None if value is None else 1e3 * value, "mm")
+    if unit == "m/N":
+        return quantity(None if value is None else 1e3 * value, "mm/N", 4)
+    if unit == "%":
+        return quantity(value, "%", 2)
+    if unit == "1":
+        return number(value, 3)
+    return quantity(value, unit)
+
+
+def speed(value: float) -> str:
+    """Return a speed in km/h."""
+    return f"{round(3.6 * value, 2):g}{SPACE}km/h"
+
+
+def compact(value: float) -> str:
+    """Return a number without superfluous digits."""
+    return f"{value:.7g}"
+
+
+def listing(items: Sequence[str], last: str = "and") -> str:
+    """Join items as in a sentence."""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} {last} {items[-1]}"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun in singular or plural."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -1,0 +1,1 @@
+"""Published studies as scripts, with a verdict on each of their claims."""

@@ -1,0 +1,282 @@
+"""Validation record: what a published study claims, what this program finds, and a verdict."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from tautwire import __version__
+from tautwire.assessment.references import ReferenceRow
+from tautwire.report.page import write_report
+from tautwire.report.words import MISSING, quantity
+from tautwire.results.files import write_text
+from tautwire.results.run import Run
+from tautwire.results.storage import save_run
+from tautwire.specs.case import Source
+
+DOUBTFUL = ("memory", "calibrated")
+"""Confidence of inputs that a reader must know about."""
+
+_PUBLISHED_UNITS = {"N": (1.0, "N"), "m": (1e3, "mm"), "%": (1.0, "%")}
+_NAMES = {
+    "mean": "mean force",
+    "maximum": "largest force",
+    "minimum": "smallest force",
+    "statistical_maximum": "statistical maximum, mean + 3 σ",
+    "statistical_minimum": "statistical minimum, mean − 3 σ",
+    "uplift": "largest uplift at a support",
+    "loss_percent": "contact loss",
+}
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One published range, and the number found with every filter.
+
+    Attributes
+    ----------
+    run : str
+        Which run it is about, as in ``"250 km/h"``.
+    quantity : str
+    unit : str
+        Published unit; all numbers are in it.
+    low, high : float
+    found : mapping of str to float
+        By kind of filter; by ``"unfiltered"`` where no filter is involved.
+    inside : mapping of str to bool or None
+        Whether each lies in the range; None without a value.
+    confidence : str
+        How well the published range is known.
+    """
+
+    run: str
+    quantity: str
+    unit: str
+    low: float
+    high: float
+    found: Mapping[str, float]
+    inside: Mapping[str, bool | None]
+    confidence: str
+
+    @property
+    def name(self) -> str:
+        """Quantity as a person reads it."""
+        if self.quantity.startswith("std_"):
+            return f"standard deviation, {self.quantity[4:].replace('_', '-')} Hz"
+        return _NAMES.get(self.quantity, self.quantity)
+
+    @property
+    def verdict(self) -> str:
+        """``"inside"``, ``"outside"``, ``"depends on the filter"`` or ``"no value"``."""
+        outcomes = set(self.inside.values())
+        if None in outcomes:
+            return "no value"
+        if outcomes == {True}:
+            return "inside"
+        return "outside" if outcomes == {False} else "depends on the filter"
+
+    @property
+    def explanation(self) -> str:
+        """With which filter the number lies inside, where that matters."""
+        if self.verdict != "depends on the filter":
+            return ""
+        kinds = " and ".join(kind for kind, is_inside in self.inside.items() if is_inside)
+        return f"inside with the {kinds} filter; the source does not state its filter"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the claim as plain data for JSON, None in place of NaN."""
+        found = {k: v if math.isfinite(v) else None for k, v in self.found.items()}
+        return {
+            "run": self.run,
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "low": self.low,
+            "high": self.high,
+            "found": found,
+            "inside": dict(self.inside),
+            "verdict": self.verdict,
+            "explanation": self.explanation,
+            "confidence": self.confidence,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A study repeated.
+
+    Attributes
+    ----------
+    study, title : str
+    status : str
+        ``"done"``, or ``"partial"`` when it was interrupted.
+    source : str
+        Where the published numbers come from.
+    published_filter : str
+        What the source says about its filter.
+    filters : mapping of str to str
+        Filters used here, with every number.
+    claims : tuple of Claim
+    doubtful_inputs : tuple of Source
+        Inputs that are remembered or calibrated.
+    changed_inputs : tuple of str
+        Inputs that differ from those of the library; empty for a true repetition.
+    runs : mapping of str to Run
+    """
+
+    study: str
+    title: str
+    status: str
+    source: str
+    published_filter: str
+    filters: Mapping[str, str]
+    claims: tuple[Claim, ...]
+    doubtful_inputs: tuple[Source, ...]
+    changed_inputs: tuple[str, ...]
+    runs: Mapping[str, Run]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of claims per verdict."""
+        verdicts = [claim.verdict for claim in self.claims]
+        return {verdict: verdicts.count(verdict) for verdict in dict.fromkeys(verdicts)}
+
+    @property
+    def statement(self) -> str:
+        """The outcome in a sentence."""
+        parts = [f"{count} {verdict}" for verdict, count in self.counts.items()]
+        text = f"{len(self.claims)} published ranges: {', '.join(parts)}."
+        if self.status != "done":
+            text += " The study was interrupted; the record is not complete."
+        if self.changed_inputs:
+            text += f" Changed for this run: {', '.join(self.changed_inputs)}."
+        return text
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as plain data for JSON."""
+        return {
+            "study": self.study,
+            "title": self.title,
+            "version": __version__,
+            "status": self.status,
+            "statement": self.statement,
+            "source": self.source,
+            "published_filter": self.published_filter,
+            "filters": dict(self.filters),
+            "verdicts": self.counts,
+            "claims": [claim.as_dict() for claim in self.claims],
+            "doubtful_inputs": [entry.to_dict() for entry in self.doubtful_inputs],
+            "changed_inputs": list(self.changed_inputs),
+            "runs": {
+                name: {"case_hash": run.case.hash(), "provenance": dict(run.provenance)}
+                for name, run in self.runs.items()
+            },
+        }
+
+
+def claims_of(run: str, by_filter: Mapping[str, Iterable[ReferenceRow]]) -> tuple[Claim, ...]:
+    """Join the comparisons of one run with the same reference, made with several filters.
+
+    Parameters
+    ----------
+    run
+        Which run it is.
+    by_filter
+        Comparisons by kind of filter; rows without a range are left out.
+    """
+    rows = {kind: {row.quantity: row for row in every} for kind, every in by_filter.items()}
+    first = next(iter(rows.values()))
+    return tuple(
+        _claim(run, {kind: own[name] for kind, own in rows.items()})
+        for name, row in first.items()
+        if row.low is not None
+    )
+
+
+def _claim(run: str, rows: Mapping[str, ReferenceRow]) -> Claim:
+    any_row = next(iter(rows.values()))
+    factor, unit = _PUBLISHED_UNITS[any_row.unit]
+    if any_row.filter == "unfiltered":
+        rows = {"unfiltered": any_row}
+    low, high = any_row.low, any_row.high
+    assert low is not None
+    assert high is not None
+    return Claim(
+        run=run,
+        quantity=any_row.quantity,
+        unit=unit,
+        low=round(low * factor, 9),
+        high=round(high * factor, 9),
+        found={kind: row.value * factor for kind, row in rows.items()},
+        inside={kind: row.inside for kind, row in rows.items()},
+        confidence=any_row.confidence,
+    )
+
+
+def writers(record: Record) -> dict[str, Callable[[Path], object]]:
+    """Return the files of a record by name: how each is written to a path."""
+    text = json.dumps(record.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    found: dict[str, Callable[[Path], object]] = {
+        "record.html": lambda path: write_text(path, record_html(record)),
+        "record.json": lambda path: write_text(path, text),
+        "record.csv": lambda path: write_text(path, record_csv(record)),
+    }
+    for name, run in record.runs.items():
+        slug = name.split()[0]
+        found[f"run-{slug}.nc"] = lambda path, own=run: save_run(own, path)
+    if record.runs:
+        runs, labels = list(record.runs.values()), list(record.runs)
+        found["report.html"] = lambda path: write_report(runs, path, labels=labels)
+    return found
+
+
+def record_csv(record: Record) -> str:
+    """Return the claims as CSV, one row per claim and filter."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(
+        ("run", "quantity", "unit", "low", "high", "filter", "found", "inside", "verdict", "known")
+    )
+    for claim in record.claims:
+        for kind, value in claim.found.items():
+            number = f"{value:.6g}" if math.isfinite(value) else ""
+            outcome = {True: "yes", False: "no", None: ""}[claim.inside[kind]]
+            writer.writerow(
+                (claim.run, claim.name, claim.unit, f"{claim.low:g}", f"{claim.high:g}",
+                 kind, number, outcome, claim.verdict, claim.confidence)
+            )  # fmt: skip
+    return out.getvalue()
+
+
+def record_html(record: Record) -> str:
+    """Return the record as one page that needs no network."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("tautwire.reproductions"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    style = files("tautwire.report").joinpath("templates", "style.css")
+    return environment.get_template("record.html.j2").render(
+        record=record,
+        version=__version__,
+        style=style.read_text(encoding="utf-8"),
+        shown=found_text,
+        kinds=list(record.filters),
+        provenance=next((dict(r.provenance) for r in record.runs.values()), {}),
+    )
+
+
+def found_text(claim: Claim, kind: str) -> str:
+    """Return the number found with a filter, or without one, as text."""
+    value = claim.found.get(kind, claim.found.get("unfiltered"))
+    return MISSING if value is None else quantity(value, claim.unit)

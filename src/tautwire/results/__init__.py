@@ -1,0 +1,1 @@
+"""Results: frozen data, their files and their origin."""

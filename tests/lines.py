@@ -1,0 +1,290 @@
+"""Small lines for the tests: bare wires and oscillators as arrays, short catenaries as cases."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from tautwire.analyses.shape import find_shape
+from tautwire.model.build import Model, build
+from tautwire.model.equations import equations
+from tautwire.model.passage import plan_passage
+from tautwire.numerics import ancf
+from tautwire.numerics.form_finding import Form, FormProblem, find_form
+from tautwire.numerics.newmark import Integrator, Newmark
+from tautwire.numerics.pantograph import PantographChain
+from tautwire.numerics.reference_stepper import ReferenceStepper
+from tautwire.numerics.stepper import PantographInput, StepOptions
+from tautwire.numerics.system import System, internal_force, lumped_mass, mass_parts
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.specs.case import Case
+
+Array = NDArray[Any]
+
+NOTHING = np.empty(0, dtype=np.int64)
+CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
+"""Tension [N], mass [kg/m], EA [N], EI [N m2] of the contact wire of AC simple."""
+
+
+def stretch_under(tension: float, axial_stiffness: float) -> float:
+    """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
+    return float(
+        brentq(
+            lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16
+        )
+    )
+
+
+def empty_system(node_count: int) -> System:
+    """Return nodes without anything between them, all free."""
+    none, some = np.empty(0), np.zeros(6 * node_count)
+    return System(
+        cable_nodes=np.empty((0, 2), dtype=np.int64),
+        cable_length=none,
+        cable_axial_stiffness=none,
+        cable_bending_stiffness=none,
+        cable_mass=none,
+        dropper_nodes=np.empty((0, 2), dtype=np.int64),
+        dropper_length=none,
+        dropper_stiffness=none,
+        arm_nodes=NOTHING,
+        arm_ends=np.empty((0, 3)),
+        arm_length=none,
+        arm_stiffness=none,
+        arm_mass=none,
+        spring_dofs=NOTHING,
+        spring_stiffness=none,
+        spring_damping=none,
+        spring_free=none,
+        node_mass=np.zeros(node_count),
+        load=some.copy(),
+        fixed=some.astype(bool),
+        position=some.copy(),
+        damping_mass=0.0,
+        damping_stiffness=0.0,
+        contact_nodes=np.arange(node_count),
+    )
+
+
+def wire_elements(lengths: Array, *, axial: float, bending: float, mass: float) -> System:
+    """Return a chain of wire elements, unstrained along x, all nodes free."""
+    count = len(lengths)
+    position = np.zeros((count + 1, 6))
+    position[1:, 0] = np.cumsum(lengths)
+    position[:, 3] = 1.0
+    return empty_system(count + 1).with_(
+        cable_nodes=np.stack([np.arange(count), np.arange(1, count + 1)], 1),
+        cable_length=np.asarray(lengths, dtype=float),
+        cable_axial_stiffness=np.full(count, axial),
+        cable_bending_stiffness=np.full(count, bending),
+        cable_mass=np.full(count, mass),
+        position=position.ravel(),
+    )
+
+
+def oscillator(mass: float, stiffness: float, damping: float = 0.0) -> System:
+    """Return a mass on a grounded spring-damper (z of node 2) beside an immovable wire element."""
+    system = wire_elements(np.ones(2), axial=1.0, bending=1.0, mass=1.0)
+    fixed = np.ones(18, dtype=bool)
+    fixed[14] = False
+    return system.with_(
+        cable_nodes=system.cable_nodes[:1],
+        cable_length=np.ones(1),
+        cable_axial_stiffness=np.ones(1),
+        cable_bending_stiffness=np.ones(1),
+        cable_mass=np.ones(1),
+        contact_nodes=np.arange(2),
+        spring_dofs=np.array([14]),
+        spring_stiffness=np.array([stiffness]),
+        spring_damping=np.array([damping]),
+        spring_free=np.zeros(1),
+        node_mass=np.array([0.0, 0.0, mass]),
+        fixed=fixed,
+    )
+
+
+def straight_wire(
+    length: float, elements: int, *, weighted: bool = False, **wire: float
+) -> System:
+    """Return a straight weightless wire along x under tension, pinned at both ends.
+
+    Parameters
+    ----------
+    length
+        Stretched length [m].
+    elements
+        Number of elements.
+    weighted
+        True leaves the right end free along x under constant tension.
+    **wire
+        Replaces values of :data:`CONTACT_WIRE`.
+    """
+    data = {**CONTACT_WIRE, **wire}
+    stretch = stretch_under(data["tension"], data["axial"])
+    lengths = np.full(elements, length / elements / stretch)
+    system = wire_elements(
+        lengths, axial=data["axial"], bending=data["bending"], mass=data["mass"]
+    )
+    position = system.position.reshape(-1, 6) * stretch
+    fixed = np.zeros((elements + 1, 6), dtype=bool)
+    fixed[[0, -1], :3] = True
+    fixed[-1, 0] = not weighted
+    load = np.zeros((elements + 1, 6))
+    load[-1, 0] = data["tension"]
+    return system.with_(position=position.ravel(), fixed=fixed.ravel(), load=load.ravel())
+
+
+def hang(system: System, gravity: float) -> Form:
+    """Find the shape of a wire between its ends under its weight, x of its nodes held."""
+    held = np.zeros((system.node_count, 6), dtype=bool)
+    held[[0, -1], :3] = True
+    held[-1, 0] = False
+    problem = FormProblem(
+        system=system,
+        held=held.ravel(),
+        cable_slot=6 * system.cable_nodes[:, 1],
+        dropper_slot=NOTHING,
+        dropper_mass=0.0,
+        dropper_axial_stiffness=None,
+        gravity=gravity,
+        taut=np.empty(0, dtype=bool),
+    )
+    return find_form(problem)
+
+
+def mass_of(system: System) -> tuple[Array, Array]:
+    """Return consistent element masses ``(4, 3, 4, 3, n)`` and lumped masses ``(n_dof,)``."""
+    return mass_parts(system).cables, lumped_mass(system)
+
+
+def kinetic_energy(system: System, v: Array) -> float:
+    """Return the kinetic energy of wires and lumped masses [J]; arms as bars."""
+    e = system.cable_coordinates(v)
+    m = ancf.mass_matrix(system.cable_length, system.cable_mass)
+    total = 0.5 * np.einsum("ian,ijn,jan->", e, m, e) + 0.5 * lumped_mass(system) @ v**2
+    arm = v.reshape(-1, 6)[system.arm_nodes, :3]
+    return float(total + np.sum(system.arm_mass[:, None] * arm**2) / 6.0)
+
+
+def potential_energy(system: System, q: Array) -> float:
+    """Return the energy of wires, taut droppers, arms and springs, less the work of the loads."""
+    total = ancf.energy(system.cable_coordinates(q), system.section).sum()
+    elongation = system.dropper_state(q).length - system.dropper_length
+    total += 0.5 * system.dropper_stiffness @ np.maximum(elongation, 0.0) ** 2
+    total += 0.5 * system.arm_stiffness @ (system.arm_state(q).length - system.arm_length) ** 2
+    total += 0.5 * system.spring_stiffness @ (q[system.spring_dofs] - system.spring_free) ** 2
+    return float(total - system.load @ q)
+
+
+def out_of_balance(system: System, q: Array) -> float:
+    """Return the largest unbalanced static force [N]."""
+    r = internal_force(system, q).nodal - system.load
+    return float(np.abs(r[~system.fixed]).max())
+
+
+def stepper(
+    system: System,
+    time_step: float,
+    *,
+    integrator: Integrator | None = None,
+    pantographs: tuple[PantographInput, ...] = (),
+    observed: Array = NOTHING,
+    **options: Any,
+) -> ReferenceStepper:
+    """Return a time integration; ``options`` go to :class:`StepOptions`."""
+    options = {"contact_stiffness": 2e5, "tolerance": 1e-10, **options}
+    return ReferenceStepper(
+        system,
+        pantographs,
+        StepOptions(integrator or Newmark(), time_step, **options),
+        observed,
+    )
+
+
+def mass_on_spring_chain(mass: float, stiffness: float = 0.0, damping: float = 0.0) -> Any:
+    """Return a pantograph of one stage."""
+    return PantographChain(np.array([mass]), np.array([stiffness]), np.array([damping]), 0)
+
+
+AC_SIMPLE: dict[str, Any] = {
+    "schema": 1,
+    "name": "ac-simple",
+    "line": {"spans": 3, "span_length": 55.0},
+    "wires": {
+        "contact": {
+            "tension": 22000.0,
+            "mass": 1.35,
+            "axial_stiffness": 15e6,
+            "bending_stiffness": 195.0,
+        },
+        "messenger": {
+            "tension": 16000.0,
+            "mass": 1.08,
+            "axial_stiffness": 11.64e6,
+            "bending_stiffness": 131.7,
+        },
+    },
+    "supports": {"closure": "height", "encumbrance": 1.2, "contact_stagger": 0.2},
+    "droppers": {
+        "mode": "height",
+        "positions": [4.5, 10.25, 16.0, 21.75, 27.5, 33.25, 39.0, 44.75, 50.5],
+        "presag": [0.0, 0.024, 0.041, 0.052, 0.055, 0.052, 0.041, 0.024, 0.0],
+        "stiffness": 2e5,
+        "mass": 0.117,
+        "clamp_contact": 0.165,
+        "clamp_messenger": 0.195,
+    },
+    "pantographs": [
+        {
+            "name": "front",
+            "stages": [
+                {"mass": 7.5, "stiffness": 7000.0, "damping": 45.0},
+                {"mass": 9.0, "stiffness": 15500.0, "damping": 0.1},
+                {"mass": 6.0, "stiffness": 160.0, "damping": 100.0},
+            ],
+        }
+    ],
+    "scenario": {"speed": 320 / 3.6, "uplift_force": 174.2},
+    "settings": {"contact_stiffness": 2e5, "nodes_between_droppers": 3, "section": [2, 2]},
+}
+"""AC simple of the world benchmark 2015, shortened to three spans on a coarse mesh."""
+
+
+def ac_simple(**changes: Any) -> Case:
+    """Return the short AC simple line; ``changes`` name fields as ``part__field``."""
+    paths = {name.replace("__", "."): value for name, value in changes.items()}
+    return Case.model_validate(AC_SIMPLE).with_(**paths)
+
+
+def found(case: Case) -> tuple[Model, Equilibrium, System]:
+    """Return model, shape and equations of a case."""
+    model = build(case)
+    shape = find_shape(model)
+    return model, shape, equations(model, shape)
+
+
+def passage(
+    case: Case, *, integrator: Integrator | None = None, **options: Any
+) -> ReferenceStepper:
+    """Return the time integration of a case's passage; supports are observed."""
+    model, shape, system = found(case)
+    plan = plan_passage(model, shape, case.uplift_forces())
+    settings = case.settings
+    return stepper(
+        system,
+        settings.time_step,
+        integrator=integrator,
+        pantographs=plan.pantographs,
+        observed=12 * model.mesh.support_station + 2,
+        contact_stiffness=settings.contact_stiffness,
+        **{"tolerance": settings.tolerance, **options},
+    )
+
+
+def moved(given: PantographInput, **changes: Any) -> PantographInput:
+    """Return a pantograph with some of its data replaced."""
+    return replace(given, **changes)

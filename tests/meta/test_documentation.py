@@ -1,0 +1,67 @@
+"""The documentation says what the program does."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tautwire.inputs import line_tables, measured
+from tautwire.specs.not_modelled import NOT_MODELLED
+
+WORDS_OF_A_ROW = {
+    "case",
+    "quantity",
+    "unit",
+    "ours",
+    "target",
+    "tolerance",
+    "source",
+    "verdict",
+    "note",
+}
+
+
+def test_every_refused_feature_is_on_the_page(root: Path) -> None:
+    """``docs/not-modelled-yet.md`` names the features an input is refused for, and no other."""
+    text = (root / "docs" / "not-modelled-yet.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    listed = [row.split("|")[1].strip() for row in rows[1:]]
+    assert listed == list(NOT_MODELLED)
+
+
+def test_every_page_is_in_the_table_of_contents(root: Path) -> None:
+    """No page of the documentation is orphaned."""
+    docs = root / "docs"
+    index = (docs / "index.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```\{toctree\}(.*?)```", index, re.DOTALL)
+    words = {word for block in blocks for word in block.split()}
+    listed = {word for word in words if (docs / f"{word}.md").exists()}
+    assert listed == {path.stem for path in docs.glob("*.md")} - {"index"}
+
+
+def test_validation_table_is_complete(root: Path) -> None:
+    """Every stored row names its source, and a verdict outside is explained."""
+    path = root / "docs" / "validation.json"
+    if not path.exists():
+        pytest.skip("no validation table stored yet")
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    assert rows
+    for row in rows:
+        assert set(row) == WORDS_OF_A_ROW
+        assert row["source"]
+        assert row["verdict"] == "inside" or row["note"], row
+
+
+def test_every_table_column_is_on_the_page(root: Path) -> None:
+    """``docs/inputs.md`` names every column that a CSV table may have."""
+    text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")
+    columns = (
+        *line_tables.SUPPORT_COLUMNS,
+        *line_tables.DROPPER_COLUMNS,
+        *line_tables.ROOF_COLUMNS,
+        *measured.COLUMNS,
+    )
+    assert [column.name for column in columns if f"`{column.name}`" not in text] == []

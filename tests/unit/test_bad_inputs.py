@@ -1,0 +1,470 @@
+"""Bad input is refused with a message that names the place and the cure, never a traceback."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+
+HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"
+
+# What stands in the case file below HEAD, and words that the message must contain: place, cure.
+BAD_VALUES = {
+    "wrong unit": (
+        "wires: {contact: {tension: 22 kg}}",
+        ["wires.contact.tension: got '22 kg', which is a mass; expected a force [N]", "'22 kN'"],
+    ),
+    "unknown unit": (
+        "line: {span_length: 55 yards}",
+        ["line.span_length: got '55 yards'", "unknown unit symbol 'yards'", "expected a length"],
+    ),
+    "unknown key": (
+        "wires: {contact: {tensoin: 22 kN}}",
+        ["wires.contact.tensoin: unknown key; did you mean 'tension'?"],
+    ),
+    "unknown key without likeness": (
+        "settings: {xyz: 1}",
+        ["settings.xyz: unknown key; known here are: contact_stiffness, nodes_between_droppers"],
+    ),
+    "key below a value": (
+        "settings: {time_step: {value: 1 ms}}",
+        ["settings.time_step: got {'value': '1 ms'}; expected a time [s], for example '1 ms'"],
+    ),
+    "negative mass": (
+        "wires: {contact: {mass: -1.35}}",
+        ["wires.contact.mass: got -1.35; must be greater than 0 kg/m (typical: 0.6 to 1.4 kg/m)"],
+    ),
+    "negative mass with unit": (
+        "droppers: {mass: -117 g/m}",
+        ["droppers.mass: got '-117 g/m' (-0.117 kg/m); must be at least 0 kg/m"],
+    ),
+    "dropper outside the span": (
+        "droppers: {positions: [4.5, 10.25, 16, 21.75, 27.5, 33.25, 39, 44.75, 60]}",
+        [
+            "droppers.positions[9] (dropper 9 of every span): got 60 m, outside the span of 55 m",
+            "between 0.05 m and 54.95 m",
+        ],
+    ),
+    "dropper at the support": (
+        "droppers: {positions: [0.01, 10.25, 16, 21.75, 27.5, 33.25, 39, 44.75, 50.5]}",
+        ["droppers.positions[1]", "less than 0.05 m beyond the support", "from left to right"],
+    ),
+    "droppers out of order": (
+        "droppers: {positions: [4.5, 16, 10.25, 21.75, 27.5, 33.25, 39, 44.75, 50.5]}",
+        ["droppers.positions[3]", "beyond dropper 2 at 16 m; list the positions from left to"],
+    ),
+    "too few pre-sags": (
+        "droppers: {presag: [0, 24 mm]}",
+        ["droppers.presag: has 2 values for 9 droppers", "give one value per dropper"],
+    ),
+    "too few lists": (
+        "droppers: {presag: [[0], [0]]}",
+        ["droppers.presag: has 2 lists for 17 spans; give one list per span, or one list for all"],
+    ),
+    "pre-sag in millimetres without unit": (
+        "droppers: {presag: [0, 24, 41, 52, 55, 52, 41, 24, 0]}",
+        ["droppers.presag[2] (dropper 2 of every span): got 24", "did you mean '24 mm'?"],
+    ),
+    "pre-sag is a text": (
+        "droppers: {presag: flat}",
+        ["droppers.presag: got 'flat'; expected a list [...] or a list of lists, one per span"],
+    ),
+    "list where one value is due": (
+        "supports: {messenger_stagger: {left: 0.2}}",
+        ["supports.messenger_stagger: got {'left': 0.2}; expected the word 'contact' or a single"],
+    ),
+    "too few supports": (
+        "supports: {encumbrance: [1.2, 1.3]}",
+        ["supports.encumbrance: has 2 values; 17 spans have 18 supports", "one value per support"],
+    ),
+    "missing arm end": (
+        "line: {spans: 2}\nsupports: {closure: arm, arm_end_y: [null, null, null], "
+        "arm_end_z: [null, 5.5, null]}",
+        ["supports.arm_end_y[2] (support 2, x = 55 m): is missing; only the two anchors"],
+    ),
+    "length mode without lengths": (
+        "droppers: {mode: length}",
+        ["droppers.lengths: is missing: mode 'length' needs one value per dropper"],
+    ),
+    "unknown word": (
+        "supports: {closure: hight}",
+        ["supports.closure: got 'hight'; choose 'height', 'lift', 'arm' or 'spring'", "mean"],
+    ),
+    "unknown word that stands for a mapping": (
+        "line: {ends: fixed}",
+        ["line.ends: got 'fixed'; choose 'anchored' or 'weighted'"],
+    ),
+    "spring without stiffness": (
+        "supports: {closure: spring}",
+        ["supports.spring: is missing: closure 'spring' needs it", "{stiffness: 300 N/m}"],
+    ),
+    "speed above wave speed": (
+        "scenario: {speed: 460 km/h}",
+        ["scenario.speed: got 460.0 km/h, not below the wave speed", "459.6 km/h; lower the speed"],
+    ),
+    "speed without unit": (
+        "scenario: {speed: 320}",
+        ["scenario.speed: got 320; must be at most 250 m/s", "did you mean '320 km/h'?"],
+    ),
+    "not a number": (
+        "settings: {contact_stiffness: .nan}",
+        ["settings.contact_stiffness: got nan, not a finite number", "'200 kN/m'"],
+    ),
+    "infinite": (
+        "settings: {contact_stiffness: 1e999}",
+        ["settings.contact_stiffness: got inf, not a finite number"],
+    ),
+    "true is no number": (
+        "settings: {nodes_between_droppers: true}",
+        ["settings.nodes_between_droppers: got True; expected a whole number"],
+    ),
+    "fraction of a node": (
+        "settings: {nodes_between_droppers: 9.5}",
+        ["settings.nodes_between_droppers: got 9.5; expected a whole number"],
+    ),
+    "too few nodes": (
+        "settings: {nodes_between_droppers: 1}",
+        ["settings.nodes_between_droppers: got 1; must be at least 2"],
+    ),
+    "yes is no boolean": (
+        "settings: {store_shapes: yes}",
+        ["settings.store_shapes: got 'yes'; expected true or false"],
+    ),
+    "alpha out of range": (
+        "settings: {integrator: {method: hht, alpha: -0.5}}",
+        ["settings.integrator.alpha: got -0.5; must be at least -0.333333"],
+    ),
+    "section outside the line": (
+        "settings: {section: [4, 18]}",
+        ["settings.section: got [4, 18]; the line has 17 spans", "leave it out for the default"],
+    ),
+    "half a section": (
+        "settings: {section: [4]}",
+        ["settings.section: has too few values. First and last span"],
+    ),
+    "section of three": (
+        "settings: {section: [4, 5, 6]}",
+        ["settings.section: has 3 values; give at most 2"],
+    ),
+    "start beyond the line": (
+        "settings: {start: 935 m}",
+        ["settings.start: got 935 m; the line is 935 m long"],
+    ),
+    "both forces": (
+        "scenario: {mean_force: 169 N, uplift_force: 174 N}",
+        ["scenario.uplift_force: is given together with scenario.mean_force; keep mean_force"],
+    ),
+    "no force": (
+        "scenario: {mean_force: null}",
+        ["pantographs[1].static_force (pantograph 'front'): the uplift force is 0 N; give"],
+    ),
+    "negative mean force": (
+        "scenario: {mean_force: {constant: 1 N, per_speed_squared: -1 N/(m/s)^2}}",
+        ["scenario.mean_force: gives -7900.23 N at 320.0 km/h; the mean force must be positive"],
+    ),
+    "forces for two pantographs": (
+        "scenario: {uplift_force: [150 N, 150 N]}",
+        ["scenario.uplift_force: has 2 values for 1 pantographs; give one value each"],
+    ),
+    "no stages": (
+        "pantographs: [{name: front, stages: []}]",
+        ["pantographs[1].stages (pantograph 'front'): has 0 values; give at least 1"],
+    ),
+    "no pantographs": ("pantographs: []", ["pantographs: has 0 values; give at least 1"]),
+    "stage without mass": (
+        "pantographs: [{name: front, stages: [{stiffness: 50 N/m}]}]",
+        [
+            "pantographs[1].stages[1].mass (stage 1 of pantograph 'front'): is missing: Mass of "
+            "the stage. Expected: a mass [kg], for example '0.165 kg'"
+        ],
+    ),
+    "pantograph without name": (
+        "pantographs: [{include: benchmark-2015-pantograph}]",
+        ["pantographs[1].name (pantograph 1): is missing: Name used in results"],
+    ),
+    "name that is a path": ("name: ../x", ["name: got '../x'; expected a name without slashes"]),
+    "name that is a number": ("title: 320", ["title: got 320; expected a text (put a number in"]),
+    "same name twice": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: a}, "
+        "{include: benchmark-2015-pantograph, name: a, behind: 200 m}]",
+        ["pantographs[2].name (pantograph 'a'): got 'a' again; give every pantograph its own"],
+    ),
+    "leader behind itself": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: a, behind: 5}]",
+        ["pantographs[1].behind (pantograph 'a'): got 5 m; the first pantograph leads"],
+    ),
+    "pantographs out of order": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: a}, "
+        "{include: benchmark-2015-pantograph, name: b}]",
+        ["pantographs[2].behind (pantograph 'b'): got 0 m, not behind pantograph 1"],
+    ),
+    "train longer than the line": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: a}, "
+        "{include: benchmark-2015-pantograph, name: b, behind: 930 m}]",
+        ["pantographs[2].behind (pantograph 'b'): got 930 m", "lengthen the line (line.spans)"],
+    ),
+    "stages given as a number": (
+        "pantographs: [{name: front, stages: 3}]",
+        ["pantographs[1].stages (pantograph 'front'): got 3; expected a list, as in [1, 2, 3]"],
+    ),
+    "wires given as a list": (
+        "wires: [1, 2]",
+        ["wires: got [1, 2]; expected a mapping with the keys contact, messenger"],
+    ),
+    "stitch wire": (
+        "stitch_wire: {length: 18 m}",
+        ["stitch_wire: not modelled yet: stitch wire (Y wire); see the page 'Not modelled yet'"],
+    ),
+    "twin contact wire": (
+        "wires: {contact_2: {tension: 22 kN}}",
+        ["wires.contact_2: not modelled yet: second contact wire (twin contact wire)"],
+    ),
+    "curve": ("line: {radius: 3000 m}", ["line.radius: not modelled yet: curved track; see"]),
+    "overlap": ("line: {overlap: 3}", ["line.overlap: not modelled yet: overlap of two wire runs"]),
+    "source of nothing": (
+        "sources: [{path: wires.contact.tensoin, source: a book, confidence: one source}]",
+        ["sources: the path 'wires.contact.tensoin' leads to nothing", "did you mean 'tension'?"],
+    ),
+    "source without confidence": (
+        "sources: [{path: wires.contact.tension, source: a book}]",
+        ["(entry for 'wires.contact.tension'): is missing: 'two sources', 'one source'"],
+    ),
+    "sources that are no list": ("sources: a book", ["sources: expected a list of {path: ..."]),
+    "other schema": ("schema: 2", ["the key 'schema' is given twice; keep one of them"]),
+    "include of nothing": (
+        "wires: {contact: {include: ac-simpel}}",
+        ["ac-simpel: there is no such case in the library", "did you mean 'ac-simple'?"],
+    ),
+    "include of a number": (
+        "wires: {contact: {include: 5}}",
+        ["wires.contact.include: got 5; give one library name or file"],
+    ),
+    "missing table": (
+        "tables: {supports: nowhere.csv}",
+        ["nowhere.csv: there is no such file; check the path"],
+    ),
+    "unknown table": (
+        "tables: {dropper: droppers.csv}",
+        ["tables.dropper: unknown table; did you mean 'droppers'?"],
+    ),
+    "table that is no path": ("tables: {supports: 5}", ["tables.supports: got 5; give the path"]),
+    "tables that are no mapping": ("tables: supports.csv", ["tables: expected {supports: file"]),
+    "roof motion twice": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: a, "
+        "roof_motion: {table: roof.csv, time: [0, 1]}}]",
+        ["pantographs[1].roof_motion: give {table: file.csv} alone, or time and height"],
+    ),
+}
+
+# Whole files that cannot be parsed, and words that the message must contain.
+BAD_FILES = {
+    "empty.yaml": ("  \n", ["is empty", "tautwire cases ac-simple --copy"]),
+    "comment.yaml": ("# nothing\n", ["must be a mapping with keys such as 'line'", "not nothing"]),
+    "list.yaml": ("- 1\n- 2\n", ["must be a mapping with keys such as 'line'", "not a list"]),
+    "text.yaml": ("hello\n", ["must be a mapping", "not a text"]),
+    "number.json": ("5", ["must be a mapping", "not a single value"]),
+    "bracket.yaml": ("a: [1\n", ["line 2, column 1: while parsing a flow sequence"]),
+    "tab.yaml": ("a:\n\tb: 1\n", ["line 2, column 1", "'\\t' that cannot start any token"]),
+    "twice.yaml": ("a: 1\na: 2\n", ["line 2, column 1: the key 'a' is given twice; keep one"]),
+    "twice.json": ('{"a": 1, "a": 2}', ["the key 'a' is given twice; keep one of them"]),
+    "twice.toml": ("a = 1\na = 2\n", ["cannot be read as TOML", "overwrite"]),
+    "key.yaml": ("1: 2\n", ["line 1, column 1: a key must be a word"]),
+    "listkey.yaml": ("? [a]\n: 1\n", ["a key must be a word"]),
+    "two.yaml": ("a: 1\n---\nb: 2\n", ["line 2, column 1: expected a single document"]),
+    "code.yaml": ("a: !!python/object:os.system x\n", ["could not determine a constructor"]),
+    "self.yaml": ("a: &x [*x]\n", ["line 1, column 4: an alias refers to itself"]),
+    "deep.yaml": ("a: " + "[" * 5000, ["nested too deeply; 30 levels are allowed"]),
+    "deep.json": ("[" * 100_000, ["nested too deeply; 30 levels are allowed"]),
+    "deep-enough.json": ('{"a":' * 40 + "1" + "}" * 40, ["nested too deeply; 30 levels"]),
+    "deep.toml": ("a = " + "[" * 100_000, ["nested too deeply; 30 levels are allowed"]),
+    "digits.yaml": ("a: " + "1" * 5000, ["cannot be read as YAML", "4300"]),
+    "control.yaml": ("a: \x01\n", ["cannot be read as YAML"]),
+    "nan.json": ('{"a": NaN}', ["cannot be read as JSON: NaN is not a finite number"]),
+    "broken.json": ('{"a": ', ["cannot be read as JSON", "line 1 column 7"]),
+    "broken.toml": ("a = \n", ["cannot be read as TOML"]),
+    "schema.yaml": ("schema: 2\n", ["schema: got 2; this program reads version 1", "schema: 1"]),
+    "true.yaml": ("schema: true\n", ["schema: got True; this program reads version 1"]),
+    "none.yaml": ("name: x\n", ["schema: is missing; write 'schema: 1'", "wires: is missing"]),
+    "case.txt": ("schema: 1\n", ["is no case file; its name must end in .yaml, .yml, .toml"]),
+    "include.yaml": ("include: include.yaml\n", ["includes itself", "remove one 'include'"]),
+}
+
+
+def problems_of(path: Path | str) -> str:
+    """Load a case that must be refused and return what is said."""
+    with pytest.raises(InputError) as caught:
+        load_case(path)
+    assert str(caught.value) == "\n".join(caught.value.problems)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("fault", BAD_VALUES)
+def test_bad_value(fault: str, tmp_path: Path) -> None:
+    """The message names the file, the path of the value, what was got and what to do."""
+    text, words = BAD_VALUES[fault]
+    path = tmp_path / "mine.yaml"
+    head = HEAD.replace("name: mine\n", "") if text.startswith("name") else HEAD
+    path.write_text(head + text + "\n", encoding="utf-8")
+    told = problems_of(path)
+    assert [word for word in words if word not in told] == [], told
+    assert ".yaml" in told or ".csv" in told or fault == "include of nothing"
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_bad_file(name: str, tmp_path: Path) -> None:
+    """The message names the file, the place in it and what to do."""
+    text, words = BAD_FILES[name]
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    told = problems_of(path)
+    assert [word for word in [name, *words] if word not in told] == [], told
+
+
+def test_all_faults_at_once(tmp_path: Path) -> None:
+    """Faults of single values and contradictions between valid parts come together."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        HEAD + "wires: {contact: {tension: 22 kg}}\n"
+        "droppers: {positions: [60], presag: [0]}\n"
+        "settings: {section: [1, 99], colour: red}\n"
+        "scenario: {direction: up}\n",
+        encoding="utf-8",
+    )
+    told = problems_of(path)
+    assert len(told.splitlines()) == 4
+    for place in ("contact.tension", "settings.colour", "scenario.direction", "positions[1]"):
+        assert place in told
+
+
+def test_contradictions_are_found_beside_faults(tmp_path: Path) -> None:
+    """A section outside the line is told although another part is invalid."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        HEAD + "wires: {contact: {tension: 22 kg}}\nsettings: {section: [1, 99]}\n",
+        encoding="utf-8",
+    )
+    assert "the line has 17 spans" in problems_of(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("nothing.yaml", "there is no such file; check the path"),
+        ("ac-simpel", "did you mean 'ac-simple'?; the library holds: ac-simple"),
+        ("zzz", "there is no such case in the library and no such file; the library holds"),
+        ("", "is a directory; give the path of a file in it"),
+        ("a" * 300 + ".yaml", "cannot be read (File name too long)"),
+        ("a\0b.yaml", "cannot be read"),
+        ("benchmark-2015-pantograph", "is a pantograph, not a case; put 'include: benchmark"),
+    ],
+)
+def test_no_such_file(
+    name: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A name that leads to nothing is answered with the closest names."""
+    monkeypatch.chdir(tmp_path)
+    assert words in problems_of(name)
+
+
+def test_neighbouring_file_is_suggested(tmp_path: Path) -> None:
+    """A misspelt file name is answered with the file beside it."""
+    (tmp_path / "my-line.yaml").write_text(HEAD, encoding="utf-8")
+    assert "did you mean 'my-line.yaml'?" in problems_of(tmp_path / "my-lime.yaml")
+
+
+def test_directory(tmp_path: Path) -> None:
+    """A directory is no case, with a suffix or without."""
+    (tmp_path / "folder.yaml").mkdir()
+    assert "is a directory" in problems_of(tmp_path / "folder.yaml")
+    assert "is a directory" in problems_of(tmp_path)
+
+
+def test_huge_file(tmp_path: Path) -> None:
+    """A file of 100 MB is refused without reading it; the message names size and limit."""
+    path = tmp_path / "huge.yaml"
+    with path.open("wb") as stream:
+        stream.truncate(100_000_000)
+    assert "has 100.0 MB; at most 1 MB are read as a case file" in problems_of(path)
+
+
+def test_alias_bomb(tmp_path: Path) -> None:
+    """Aliases that multiply are refused before they are expanded."""
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
+    path = tmp_path / "bomb.yaml"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    assert "its aliases expand to, more than 200000 values; write values out" in problems_of(path)
+
+
+def test_too_many_values(tmp_path: Path) -> None:
+    """A file of small size with very many values is refused early."""
+    path = tmp_path / "many.yaml"
+    path.write_text("a: [" + "1," * 210_000 + "1]\n", encoding="utf-8")
+    assert "more than 200000 values" in problems_of(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"name: \xff\xfe\n", "is not UTF-8 text (byte 7); save it as UTF-8"),
+        ("name: x\n".encode("utf-16"), "is not UTF-8 text (byte 1)"),
+        (b"name: \0\n", "is a binary file; a text file is needed"),
+    ],
+)
+def test_not_a_text(content: bytes, words: str, tmp_path: Path) -> None:
+    """Binary content is refused with the encoding that is needed."""
+    path = tmp_path / "binary.yaml"
+    path.write_bytes(content)
+    assert words in problems_of(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes exist on POSIX only")
+def test_pipe(tmp_path: Path) -> None:
+    """A named pipe is refused instead of waited for."""
+    path = tmp_path / "pipe.yaml"
+    os.mkfifo(path)
+    assert "is not a regular file" in problems_of(path)
+
+
+def test_no_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that may not be read is answered with the reason."""
+    path = tmp_path / "locked.yaml"
+    path.write_text(HEAD, encoding="utf-8")
+
+    def refuse(_: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    assert "cannot be read (Permission denied); check the path and its permissions" in (
+        problems_of(path)
+    )
+
+
+def test_endless_chain_of_includes(tmp_path: Path) -> None:
+    """A long chain of files that include each other is cut."""
+    for number in range(12):
+        text = f"include: c{number + 1}.yaml\n"
+        (tmp_path / f"c{number}.yaml").write_text(text, encoding="utf-8")
+    told = problems_of(tmp_path / "c0.yaml")
+    assert "8 of which each includes the next, are the limit" in told
+
+
+def test_include_bomb(tmp_path: Path) -> None:
+    """Files that multiply by inclusion are refused before they are all read."""
+    for number in range(5):
+        items = ", ".join([f"{{include: c{number + 1}.yaml}}"] * 10)
+        (tmp_path / f"c{number}.yaml").write_text(f"sections: [{items}]\n", encoding="utf-8")
+    (tmp_path / "c5.yaml").write_text("a: 1\n", encoding="utf-8")
+    assert "100 files in all" in problems_of(tmp_path / "c0.yaml")
+
+
+def test_circle_by_another_path(tmp_path: Path) -> None:
+    """A circle of includes is recognised when the paths differ."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "one.yaml").write_text("line: {include: two.yaml}\n", encoding="utf-8")
+    (tmp_path / "two.yaml").write_text("include: sub/../one.yaml\n", encoding="utf-8")
+    assert "two.yaml -> " in problems_of(tmp_path / "one.yaml")
