@@ -205,7 +205,7 @@ def stepper(
     )
 
 
-def mass_on_spring_chain(mass: float, stiffness: float = 0.0, damping: float = 0.0) -> Any:
+def one_stage(mass: float, stiffness: float = 0.0, damping: float = 0.0) -> PantographChain:
     """Return a pantograph of one stage."""
     return PantographChain(np.array([mass]), np.array([stiffness]), np.array([damping]), 0)
 

@@ -138,8 +138,9 @@ def _number(value: float) -> str:
 
 def command_reference() -> str:
     """Return one section per command with its arguments and options."""
-    from tautwire.cli.app import app
     from typer.main import get_command
+
+    from tautwire.cli.app import app
 
     group: Any = get_command(app)
     return "\n\n".join(_command_section(name, group.commands[name]) for name in group.commands)

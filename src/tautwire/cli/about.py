@@ -1,4 +1,4 @@
-"""Version and kernels in use."""
+"""Version and backend in use."""
 
 from __future__ import annotations
 
@@ -7,14 +7,19 @@ import sys
 from tautwire import __version__
 
 
-def kernels(choice: str = "auto") -> str:
-    """Return which kernels a choice leads to, as a person reads it."""
+def program(choice: str = "auto") -> str:
+    """Return name, version and the backend that a choice leads to.
+
+    Parameters
+    ----------
+    choice
+        ``settings.backend``.
+    """
     from tautwire.numerics.backend import backend_name
 
-    name = backend_name(choice)
-    return {"native": "native kernels", "reference": "NumPy kernels"}.get(name, name)
+    return f"tautwire {__version__}, backend {backend_name(choice)}"
 
 
 def show_version() -> None:
-    """Print version and kernels."""
-    sys.stdout.write(f"tautwire {__version__} ({kernels()})\n")
+    """Print version and backend."""
+    sys.stdout.write(f"{program()}\n")

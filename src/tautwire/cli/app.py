@@ -43,7 +43,12 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # pyright: ignore[reportAttributeAccessIssue]
-    sys.exit(run_command_line(sys.argv[1:]))
+    code = run_command_line(sys.argv[1:])
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        code = _give_up_output(error)
+    sys.exit(code)
 
 
 def run_command_line(arguments: Sequence[str]) -> int:
@@ -63,10 +68,18 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
         return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
+    except OSError as error:
+        return _give_up_output(error)
     return code if isinstance(code, int) else 0
+
+
+def _give_up_output(error: OSError) -> int:
+    """End when standard output cannot be written; quietly when its reader has gone."""
+    if not isinstance(error, BrokenPipeError):
+        reason = error.strerror or str(error)
+        sys.stderr.write(f"error: standard output cannot be written ({reason})\n")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return FAILED
 
 
 def _refuse_usage(error: Any, *, as_json: bool) -> int:
@@ -83,7 +96,7 @@ def _refuse_usage(error: Any, *, as_json: bool) -> int:
 @app.callback(invoke_without_command=True)
 def tautwire(
     version: Annotated[
-        bool, typer.Option("--version", help="Show the version and the kernels in use.")
+        bool, typer.Option("--version", help="Show the version and the backend in use.")
     ] = False,
 ) -> None:
     """Simulate how a railway pantograph and the overhead contact line move together.

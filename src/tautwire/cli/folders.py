@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tautwire.errors import InputError
@@ -15,18 +16,36 @@ def default_folder(case_name: str) -> Path:
     return Path("tautwire-" + re.sub(r"[^A-Za-z0-9._+-]", "-", case_name))
 
 
-def prepare_folder(folder: Path) -> Path:
+@contextmanager
+def prepared_folder(folder: Path) -> Iterator[Path]:
     """Make a folder and see that it can be written to, before anything is computed.
+
+    When the work inside fails without leaving a file, a folder that was made is removed again.
+
+    Parameters
+    ----------
+    folder
+        Path as the user wrote it.
 
     Raises
     ------
     InputError
-        When it cannot.
+        When it cannot be written to.
     """
-    cure = "choose another folder with --out"
+    is_new = not folder.exists()
+    _make(folder)
     try:
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"--out {folder}: is a file, a folder is needed; {cure}")
+        yield folder
+    finally:
+        if is_new and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _make(folder: Path) -> None:
+    cure = "choose another folder with --out"
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out {folder}: is a file, a folder is needed; {cure}")
+    try:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f".tautwire-{os.getpid()}.part"
         probe.touch()
@@ -36,7 +55,6 @@ def prepare_folder(folder: Path) -> Path:
         raise InputError(
             f"--out {folder}: cannot be written to ({reason}); {cure}, or change its permissions"
         ) from None
-    return folder
 
 
 class Files:

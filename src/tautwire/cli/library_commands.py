@@ -24,7 +24,7 @@ def list_library(answer: Answer, *, copying: bool = False) -> None:
     ]
     for kind, title in (("case", "Cases"), ("pantograph", "Pantographs")):
         rows = [(e.name, e.summary.rstrip(".")) for e in entries if e.kind == kind]
-        answer.show(heading(title), table(("name", ""), "lL", rows))
+        answer.show(heading(title), table(("", ""), "lL", rows))
     answer.show(
         heading("Next"),
         "tautwire cases ac-simple --copy my-line.yaml    a file to edit\n"

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tautwire import __version__
-from tautwire.cli.about import kernels
-from tautwire.cli.folders import Files, prepare_folder
+from tautwire.cli.about import program
+from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.progress import PassageWatch
 from tautwire.cli.session import Answer, OutputError
@@ -25,10 +24,9 @@ def reproduce_study(answer: Answer, study: str, out: Path | None) -> None:
     if study not in STUDIES:
         hint = did_you_mean(study, STUDIES) or f"; there are: {', '.join(STUDIES)}"
         raise InputError(f"STUDY {study!r}: there is no such study{hint}")
-    folder = prepare_folder(out or Path(f"tautwire-reproduce-{study}"))
-    answer.say(f"tautwire {__version__}, {kernels()}")
-    interrupts = Interrupts()
-    with interrupts.handled():
+    wanted, interrupts = out or Path(f"tautwire-reproduce-{study}"), Interrupts()
+    with prepared_folder(wanted) as folder, interrupts.handled():
+        answer.say(program())
         with PassageWatch(answer, interrupts) as watch, interrupts.patient():
             record = STUDIES[study](watch)
         with interrupts.patient():

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tautwire import __version__
 from tautwire.analyses.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.pipeline import run_case
 from tautwire.analyses.statistics import contact_statistics
 from tautwire.assessment.checks import checks as compute_checks
 from tautwire.assessment.limits import known_system
-from tautwire.cli.about import kernels
+from tautwire.cli.about import program
 from tautwire.cli.documents import run_document
-from tautwire.cli.folders import Files, default_folder, prepare_folder
+from tautwire.cli.folders import Files, default_folder, prepared_folder
 from tautwire.cli.interrupts import Interrupts
+from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
 from tautwire.cli.run_view import run_view
-from tautwire.cli.session import FAILED, Answer, OutputError, plain
+from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.inputs.load import load_case
@@ -61,18 +60,19 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
     """Simulate a passage, show it and write its files, also when it was stopped or failed."""
     case = load_case(request.case, request.overrides)
     limits = ReportLimits.of(request.system, request.free_uplift)
-    folder = prepare_folder(request.out or default_folder(case.name))
-    answer.say(f"tautwire {__version__}, {kernels(case.settings.backend)}")
-    advice = [str(item) for item in preflight(case)]
-    answer.warn(advice)
     interrupts = Interrupts()
-    with interrupts.handled():
-        run = _passage(answer, case, interrupts)
-        with interrupts.patient():
-            _present(answer, run, limits, advice)
-            complete = run.status == "done" and interrupts.requested is None
-            elasticity = _elasticity(run) if complete else None
-            _write(answer, Files(folder), run, elasticity, limits if request.with_report else None)
+    with prepared_folder(request.out or default_folder(case.name)) as folder:
+        answer.say(program(case.settings.backend))
+        advice = preflight(case)
+        answer.advise(advice)
+        with interrupts.handled():
+            run = _passage(answer, case, interrupts)
+            with interrupts.patient():
+                _present(answer, run, limits, [str(item) for item in advice])
+                complete = run.status == "done" and interrupts.requested is None
+                elasticity = _elasticity(run) if complete else None
+                asked = limits if request.with_report else None
+                _write(answer, Files(folder), run, elasticity, asked)
     if run.status == "failed":
         answer.fail("computation", [run.message], FAILED)
     elif interrupts.requested is not None:
@@ -153,7 +153,7 @@ def _write(
     limits: ReportLimits | None,
 ) -> None:
     """Write the files of a run, the most important first; the report where limits are given."""
-    text = json.dumps(plain(answer.document), indent=1, allow_nan=False) + "\n"
+    text = to_json(answer.document) + "\n"
     files.write("run.nc", lambda path: save_run(run, path, elasticity))
     files.write("results.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))

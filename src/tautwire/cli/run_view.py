@@ -34,7 +34,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
     parts: list[Any] = [
         heading(run.case.title or run.case.name, speed(run.case.scenario.speed)),
         _facts(run, statistics),
-        heading("Contact force [N]", _filters(statistics)),
+        heading("Contact force [N]", "over the section"),
         _force_table(statistics),
         heading("Passage"),
         _passage_table(statistics),
@@ -56,13 +56,11 @@ def _facts(run: Run, statistics: RunStatistics) -> Any:
             ("status", run.status),
             ("section", f"{spans}, {section.start:g} to {section.end:g} m"),
             ("contact stiffness", f"{1e-3 * run.case.settings.contact_stiffness:g} kN/m"),
-            ("work", f"{work}, {counters.get('backend', '')} kernels"),
+            ("headline filter", statistics.pantographs[0].headline.description),
+            ("work", work),
+            ("backend", str(counters.get("backend", ""))),
         ]
     )  # fmt: skip
-
-
-def _filters(statistics: RunStatistics) -> str:
-    return f"over the section; headline: {statistics.pantographs[0].headline.description}"
 
 
 def _columns(statistics: RunStatistics) -> list[tuple[str, PantographStatistics, str]]:

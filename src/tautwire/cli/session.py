@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,10 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tautwire.cli.json_text import to_json
 from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from tautwire.model.preflight import Advice
 
 DONE, FAILED, REFUSED = 0, 1, 2
 
@@ -95,6 +96,12 @@ class Answer:
         for text in texts:
             self._labelled("warning", text, "yellow")
 
+    def advise(self, advice: Sequence[Advice]) -> None:
+        """Print advice on standard error."""
+        for item in advice:
+            label, style = ("note", "dim") if item.severity == "note" else ("warning", "yellow")
+            self._labelled(label, str(item), style)
+
     def fail(self, kind: str, problems: Sequence[str], exit_code: int) -> None:
         """Report problems on standard error and in the document."""
         self.exit_code = exit_code
@@ -109,7 +116,7 @@ class Answer:
     def close(self) -> None:
         """Print the JSON document."""
         if self.as_json:
-            sys.stdout.write(json.dumps(plain(self.document), indent=1, allow_nan=False) + "\n")
+            sys.stdout.write(to_json(self.document) + "\n")
             sys.stdout.flush()
 
     def _labelled(self, label: str, text: str, style: str) -> None:
@@ -142,31 +149,13 @@ def answering(as_json: bool) -> Iterator[Answer]:
     except (typer.Exit, BrokenPipeError):
         raise
     except (Exception, KeyboardInterrupt, Interrupted) as error:
-        if os.environ.get(DEBUG) == "1":
+        kind, problems, exit_code = _explain(error)
+        if kind == "internal" and os.environ.get(DEBUG) == "1":
             raise
-        answer.fail(*_explain(error))
+        answer.fail(kind, problems, exit_code)
     answer.close()
     if answer.exit_code != DONE:
         raise typer.Exit(answer.exit_code)
-
-
-def plain(value: Any) -> Any:
-    """Return data that JSON knows; a number that is not finite becomes None.
-
-    Parameters
-    ----------
-    value
-        Mappings, sequences, texts, Python and NumPy numbers and arrays, nested as needed.
-    """
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
@@ -186,6 +175,10 @@ def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
     if isinstance(error, MemoryError):
         cure = "use fewer spans (line.spans) or nodes (settings.nodes_between_droppers)"
         return "memory", [f"there is not enough memory; {cure}"], FAILED
+    if isinstance(error, OSError):
+        what = f"{error.filename}: " if error.filename else ""
+        reason = error.strerror or str(error)
+        return "system", [f"{what}{reason}; check free space and permissions"], FAILED
     return "internal", [_unexpected(error)], FAILED
 
 

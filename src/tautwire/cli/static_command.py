@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
-from tautwire import __version__
 from tautwire.analyses.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.shape import find_shape
-from tautwire.cli.about import kernels
+from tautwire.cli.about import program
 from tautwire.cli.documents import static_document
-from tautwire.cli.folders import Files, prepare_folder
+from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
-from tautwire.cli.session import Answer, OutputError, plain
+from tautwire.cli.json_text import to_json
+from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.static_view import static_view
 from tautwire.cli.tables import files_written, heading
 from tautwire.inputs.load import load_case
@@ -31,24 +31,23 @@ from tautwire.specs.case import Case
 def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: Path | None) -> None:
     """Find the static state of a case, show it, and write its files."""
     case = load_case(reference, overrides)
-    folder = None if out is None else prepare_folder(out)
-    answer.say(f"tautwire {__version__}, {kernels(case.settings.backend)}")
-    with Interrupts().handled():
-        model = build(case)
-        shape = find_shape(model)
-        elasticity = compute_elasticity(model, shape)
-    backend = backend_name(case.settings.backend)
-    answer.document.update(static_document(case, shape, elasticity, backend, []))
-    answer.show(*static_view(case, shape, elasticity))
-    if folder is not None:
-        _write(answer, folder, case, shape, elasticity)
+    with nullcontext() if out is None else prepared_folder(out) as folder:
+        answer.say(program(case.settings.backend))
+        with Interrupts().handled():
+            model = build(case)
+            shape = find_shape(model)
+            elasticity = compute_elasticity(model, shape)
+        backend = backend_name(case.settings.backend)
+        answer.document.update(static_document(case, shape, elasticity, backend, []))
+        answer.show(*static_view(case, shape, elasticity))
+        if folder is not None:
+            _write(answer, Files(folder), case, shape, elasticity)
 
 
 def _write(
-    answer: Answer, folder: Path, case: Case, shape: Equilibrium, elasticity: Elasticity
+    answer: Answer, files: Files, case: Case, shape: Equilibrium, elasticity: Elasticity
 ) -> None:
-    files = Files(folder)
-    text = json.dumps(plain(answer.document), indent=1, allow_nan=False) + "\n"
+    text = to_json(answer.document) + "\n"
     files.write("static.nc", lambda path: save_equilibrium(shape, path, case, elasticity))
     files.write("static.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(shape, path))

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from rich import box
-from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -21,12 +20,12 @@ STYLES = {
 }
 
 
-def heading(text: str, detail: str = "") -> Padding:
+def heading(text: str, detail: str = "") -> Text:
     """Return a heading with an empty line above it."""
-    parts: list[Any] = [(text, "bold")]
+    parts: list[Any] = ["\n", (text, "bold")]
     if detail:
         parts.append((f"  {detail}", "dim"))
-    return Padding(Text.assemble(*parts), (1, 0, 0, 0))
+    return Text.assemble(*parts)
 
 
 def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Table:
@@ -41,7 +40,7 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
     rows : iterable of sequence of str
         A word with a meaning of its own (``inside``, ``unverified`` ...) is coloured.
     """
-    result = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
+    result = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(heads))
     for head, letter in zip(heads, align, strict=True):
         result.add_column(
             head,
@@ -79,4 +78,7 @@ _PURPOSE = {
     "droppers.csv": "dropper table",
     "elasticity.csv": "elasticity",
     "force.csv": "force history",
+    "record.html": "validation record",
+    "record.json": "record as data",
+    "record.csv": "record as a table",
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -113,8 +114,7 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
         When there is neither, with the closest name, or when it cannot be read.
     """
     if reference in _library_names():
-        name = str(reference)
-        return Document(name, name, None, parse_document(library.read_entry(name), name, ".yaml"))
+        return _library_document(str(reference))
     path = (folder or Path()) / reference
     if path.suffix.lower() not in SUFFIXES and not os.path.isdir(path):  # noqa: PTH112
         if os.path.isfile(path):  # noqa: PTH113
@@ -126,6 +126,12 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
         )
     content = parse_document(read_case_text(path), str(path), path.suffix)
     return Document(str(path), os.path.realpath(path), path.parent, content)
+
+
+@lru_cache(maxsize=8)
+def _library_document(name: str) -> Document:
+    content = parse_document(library.read_entry(name), name, ".yaml")
+    return Document(name, name, None, content)
 
 
 def _library_names() -> list[str]:

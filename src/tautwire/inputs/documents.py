@@ -17,7 +17,7 @@ from tautwire.errors import InputError
 
 SUFFIXES = (".yaml", ".yml", ".toml", ".json")
 MAX_DEPTH = 30
-MAX_VALUES = 200_000
+MAX_VALUES = 50_000
 _TOO_MANY = (
     f"it holds, or its aliases expand to, more than {MAX_VALUES} values; write values out instead "
     "of using aliases, and keep long tables in CSV files ('tables')"

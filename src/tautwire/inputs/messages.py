@@ -200,7 +200,7 @@ def _slip(quantity: Quantity, written: Any) -> str:
 
 
 def _shown(value: object) -> str:
-    text = repr(value) if isinstance(value, str) else str(value)
+    text = repr(value).removesuffix(".0")
     return text if len(text) <= 60 else text[:57] + "..."
 
 

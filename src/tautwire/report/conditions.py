@@ -13,7 +13,7 @@ from tautwire.report.blocks import Cell, Columns, Details, Heading, Section, Tab
 from tautwire.report.views import RunView
 from tautwire.report.words import compact, counted, number, quantity
 from tautwire.specs.base import Quantity
-from tautwire.specs.case import Case
+from tautwire.specs.case import Case, Source
 
 GROUPS = ("line", "wires", "supports", "droppers", "pantographs", "scenario", "settings")
 LONG = 12
@@ -143,20 +143,22 @@ def _plain(value: Any) -> str:
 def _input_blocks(view: RunView, *, many: bool) -> list[object]:
     """Write inputs and sources of one run, folded away."""
     case = view.run.case
-    sources = [source.path for source in case.sources]
+    paths = [source.path for source in case.sources]
+    groups = _grouped(case.sources)
+    marks = {path: n for n, (_, _, members) in enumerate(groups, 1) for path in members}
     rows: list[tuple[Cell, ...]] = []
     for path, text in input_values(case):
-        at = source_of(path, sources)
-        mark = ("", "") if at is None else (f"[{at + 1}]", case.sources[at].confidence)
-        rows.append((path, text, *mark))
+        at = source_of(path, paths)
+        known = ("", "") if at is None else (f"[{marks[paths[at]]}]", case.sources[at].confidence)
+        rows.append((path, text, *known))
     inputs = Table("", ("input", "value", "source", "confidence"), "llll", tuple(rows))
     listed = Table(
-        caption="Sources.",
-        head=("", "applies to", "source", "confidence"),
+        caption="Sources",
+        head=("", "source", "confidence", "applies to"),
         align="llll",
         rows=tuple(
-            (f"[{n}]", source.path, source.source, source.confidence)
-            for n, source in enumerate(case.sources, 1)
+            (f"[{n}]", text, confidence, ", ".join(members))
+            for n, (text, confidence, members) in enumerate(groups, 1)
         ),
     )
     name = f"{view.label}: inputs" if many else "All inputs"
@@ -168,6 +170,14 @@ def _input_blocks(view: RunView, *, many: bool) -> list[object]:
     else:
         blocks.insert(0, listed)
     return blocks
+
+
+def _grouped(sources: Sequence[Source]) -> list[tuple[str, str, list[str]]]:
+    """Return text, confidence and paths of the sources, each text once."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for source in sources:
+        groups.setdefault((source.source, source.confidence), []).append(source.path)
+    return [(text, confidence, paths) for (text, confidence), paths in groups.items()]
 
 
 def source_of(path: str, sources: Sequence[str]) -> int | None:

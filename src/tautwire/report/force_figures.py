@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.report import style
-from tautwire.report.packing import thinned
+from tautwire.report.packing import share, thinned
 from tautwire.report.views import WIDE_CUTOFF, RunView, Series, series
 from tautwire.results.run import Run
 from tautwire.results.statistics import FilteredStatistics
@@ -36,7 +36,7 @@ def force_figure(views: Sequence[RunView]) -> go.Figure:
     figure = go.Figure(layout=style.layout(480, top=76))
     for item in shown:
         if not item.force.is_empty:
-            _add_force_curves(figure, item, single=single)
+            _add_force_curves(figure, item, share(3 * len(shown)), single=single)
     _add_losses(figure, shown)
     add_line_marks(figure, first.run, first.section)
     figure.update_layout(
@@ -55,7 +55,9 @@ def _opening(view: RunView) -> list[float]:
     return [start - margin, end + margin]
 
 
-def _add_force_curves(figure: go.Figure, item: Series, *, single: bool) -> None:
+def _add_force_curves(
+    figure: go.Figure, item: Series, limit: int, *, single: bool
+) -> None:
     """Add the three curves of one pantograph.
 
     Of several series only the filtered curves show at first; one entry of the legend switches
@@ -74,6 +76,7 @@ def _add_force_curves(figure: go.Figure, item: Series, *, single: bool) -> None:
                 figure,
                 force.position,
                 values,
+                limit,
                 name=name,
                 line=line,
                 legendgroup=name,
@@ -82,11 +85,13 @@ def _add_force_curves(figure: go.Figure, item: Series, *, single: bool) -> None:
             )
     line = {"color": look.colour, "width": 2.2, "dash": look.dash}
     name = item.named(f"0–{cutoff:g} Hz")
-    _add_curve(figure, force.position, force.low, name=name, line=line)
+    _add_curve(figure, force.position, force.low, limit, name=name, line=line)
 
 
-def _add_curve(figure: go.Figure, position: Array, force: Array, **more: Any) -> None:
-    kept = thinned(force)
+def _add_curve(
+    figure: go.Figure, position: Array, force: Array, limit: int, **more: Any
+) -> None:
+    kept = thinned(force, limit)
     figure.add_scatter(
         x=position[kept].astype(np.float32),
         y=force[kept].astype(np.float32),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.report import style
 from tautwire.report.force_figures import add_line_marks
-from tautwire.report.packing import thinned
+from tautwire.report.packing import share, thinned
 from tautwire.report.views import RunView
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import Run
@@ -210,7 +210,7 @@ def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
         if support is None or view.run.time.size < 2:
             continue
         history = 1e3 * view.run.support_uplift[:, support - 1].astype(float)
-        kept, look = thinned(history, 6000), style.look(number)
+        kept, look = thinned(history, share(3 * len(views), 6000)), style.look(number)
         name = f"support {support}"
         figure.add_scatter(
             x=view.run.time[kept].astype(np.float32),
@@ -252,9 +252,10 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
         hovertemplate="%{y:.3f} m",
     )
     number = 0
+    limit = share(3 * sum(len(view.forces) for view in views), 8000)
     for view in views:
         for record in view.run.pantographs:
-            _add_height(figure, view, record.name, number, many=len(views) > 1)
+            _add_height(figure, view, record.name, number, limit, many=len(views) > 1)
             number += 1
     add_line_marks(figure, first.run, first.section)
     start, end = first.section
@@ -265,12 +266,14 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def _add_height(figure: go.Figure, view: RunView, name: str, number: int, *, many: bool) -> None:
+def _add_height(
+    figure: go.Figure, view: RunView, name: str, number: int, limit: int, *, many: bool
+) -> None:
     record, look = view.run.pantograph(name), style.look(number)
     position, height = record.position[record.active], record.wire_height[record.active]
     if not height.size:
         return
-    kept = thinned(height, 8000)
+    kept = thinned(height, limit)
     label = f"at the pantograph, {name}" if len(view.run.pantographs) > 1 else "at the pantograph"
     figure.add_scatter(
         x=position[kept].astype(np.float32),

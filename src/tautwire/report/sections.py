@@ -328,7 +328,7 @@ def elasticity_section(views: Sequence[RunView]) -> Section:
 
 def animation_section(views: Sequence[RunView]) -> Section:
     """Write section 9."""
-    usable = [view for view in views if animation.has_film(view)]
+    usable = animation.filmed(views)
     if not usable:
         text = Text("There is nothing to show: no pantograph moved under the line.")
         return Section("animation", "Animation", (text,))

@@ -71,8 +71,9 @@ def fit_legend(figure: go.Figure, width: int = 880) -> go.Figure:
     """
     traces: Any = figure.data
     names = [trace.name for trace in traces if trace.name and trace.showlegend is not False]
-    if len(names) > 1:
-        per_row = max(1, int(width // (7.2 * max(map(len, names)) + 48)))
+    widths = [7.2 * len(name) + 48 for name in names]
+    if sum(widths) > width:
+        per_row = max(1, int(width // max(widths)))
         extra = 19 * (-(-len(names) // per_row) - 1)
         figure.update_layout(
             margin={"t": figure.layout.margin.t + extra}, height=figure.layout.height + extra

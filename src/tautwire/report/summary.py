@@ -21,7 +21,7 @@ from tautwire.report.blocks import (
 )
 from tautwire.report.line_figures import highest_support
 from tautwire.report.views import RunView, Series, series
-from tautwire.report.words import band, counted, listing, number, quantity, readable, speed
+from tautwire.report.words import MISSING, band, counted, listing, number, quantity, readable, speed
 from tautwire.results.statistics import PantographStatistics
 
 BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
@@ -41,7 +41,7 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     cautions = tuple(line for view in views for line in _cautions(view, many=len(views) > 1))
     blocks += [Callout(cautions)] if cautions else []
     blocks += [Text(_statement(view, many=len(views) > 1), "statement") for view in views]
-    if len(shown) == 1:
+    if len(shown) == 1 and math.isfinite(statistics_of(shown[0]).headline.mean):
         blocks.append(_keys(views[0]))
     tables = (_force_table(shown), _passage_table(shown))
     blocks += [Columns(tables)] if len(shown) == 1 else tables
@@ -180,9 +180,10 @@ def _passage_table(shown: Sequence[Series]) -> Table:
     rows: list[tuple[Cell, ...]] = [
         ("uplift force", *(quantity(e.uplift_force, "N", 2) for _, e in entries)),
         ("tuned to a mean of", *(t if t != number(None) else "not tuned" for t in target)),
-        ("contact losses", *(str(e.contact_loss.count) for _, e in entries)),
+        ("contact losses", *(_if_seen(e, str(e.contact_loss.count)) for _, e in entries)),
         ("share of time", *(quantity(e.contact_loss.percent, "%", 3) for _, e in entries)),
-        ("longest loss", *(quantity(1e3 * e.contact_loss.longest, "ms", 2) for _, e in entries)),
+        ("longest loss", *(
+            _if_seen(e, quantity(1e3 * e.contact_loss.longest, "ms", 2)) for _, e in entries)),
         ("share, 5 ms or more", *(
             quantity(e.contact_loss.percent_over(), "%", 3) for _, e in entries)),
         ("largest uplift at a support", *(
@@ -199,25 +200,33 @@ def _passage_table(shown: Sequence[Series]) -> Table:
     )
 
 
+def _if_seen(entry: PantographStatistics, text: str) -> str:
+    """Return the text, or a dash for a pantograph that never was in the section."""
+    return text if entry.contact_loss.observed > 0.0 else MISSING
+
+
 def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
     """Say what the checks prove, and what they do not."""
     every = [check for row in found for check in row]
     if not every:
         return "No limit applies to this speed and supply system."
-    unverified = [check for check in every if check.passed is None and check.within is not None]
+    unverified = [check for check in every if not check.verified]
     failed = [check.name for check in every if check.passed is False]
     outside = list(dict.fromkeys(c.name for c in unverified if c.within is False))
     parts = []
     if failed:
         parts.append(f"Not passed: {listing(list(dict.fromkeys(failed)))}.")
-    if unverified:
+    if len(unverified) == len(every):
         parts.append(
-            f"{counted(len(unverified), 'limit')} below could not be compared with the text of "
-            "the standard; no verdict is given on them."
-            if len(unverified) < len(every)
-            else "None of the limits below has been compared with the text of its standard, so "
-            "no verdict is given."
+            "None of the limits below has been compared with the text of its standard, so no "
+            "verdict is given."
         )
+    elif unverified:
+        parts.append(
+            f"Of {len(every)} limits, {len(unverified)} could not be compared with the text of "
+            "the standard; there no verdict is given."
+        )
+    if any(check.within is not None for check in unverified):
         parts.append(
             f"As remembered, outside: {listing(outside)}."
             if outside

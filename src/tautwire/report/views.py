@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,9 +117,37 @@ def headline_filter(run: Run) -> Lowpass:
 
 def prepare(run: Run, label: str, elasticity: Elasticity | None = None) -> RunView:
     """Filter the histories of a run and compute its statistics."""
-    lowpass = headline_filter(run)
+    run, lowpass = finite_part(run), headline_filter(run)
     forces = tuple(_force_view(run, record.name, lowpass) for record in run.pantographs)
     return RunView(label, run, contact_statistics(run), lowpass, forces, elasticity)
+
+
+def finite_part(run: Run) -> Run:
+    """Return a run cut before the first force or height that is not a finite number.
+
+    A run that failed may end with such samples; a filter would spread them over the record.
+    """
+    bad = np.zeros(run.time.size, dtype=np.bool_)
+    for record in run.pantographs:
+        histories = np.column_stack([record.contact_force, record.gap, record.wire_height])
+        bad |= record.active & ~np.isfinite(histories).all(axis=1)
+    if not bad.any():
+        return run
+    end = int(np.argmax(bad))
+    names = ("position", "contact_force", "gap", "wire_height", "stage_heights", "active")
+    records = tuple(
+        replace(record, **{name: getattr(record, name)[:end] for name in names})
+        for record in run.pantographs
+    )
+    return replace(
+        run,
+        message=f"{run.message} Values are not finite from t = {run.time[end]:.3f} s on; the "
+        "report stops there.".strip(),
+        time=run.time[:end],
+        pantographs=records,
+        support_uplift=run.support_uplift[:end],
+        dropper_force=run.dropper_force[:end],
+    )
 
 
 def series(views: Sequence[RunView]) -> list[Series]:

@@ -14,7 +14,7 @@
   /* ---- data ------------------------------------------------------------------------- */
   const unpack = ({ dtype, data, low, step }) => {
     const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
-    const view = new { f4: Float32Array, u2: Uint16Array, u1: Uint8Array }[dtype](bytes.buffer);
+    const view = new { f4: Float32Array, u1: Uint8Array }[dtype](bytes.buffer);
     return step === undefined ? view : Float32Array.from(view, (v) => low + step * v);
   };
   const unpackAll = (item) => {
@@ -109,8 +109,12 @@
     const i = below(time, state.time), j = Math.min(i + 1, time.length - 1);
     const span = time[j] - time[i];
     const w = span > 0 ? Math.min(1, Math.max(0, (state.time - time[i]) / span)) : 0;
-    const heights = film.frames[name];
-    return Float32Array.from(x, (_, k) => heights[i * n + k] * (1 - w) + heights[j * n + k] * w);
+    const { first, count } = film.frames, still = film.frames[`${name}Still`];
+    const moved = (frame, k) => {
+      const at = k - first[frame];
+      return at >= 0 && at < count ? film.frames[name][frame * count + at] : 0;
+    };
+    return Float32Array.from(x, (_, k) => still[k] + moved(i, k) * (1 - w) + moved(j, k) * w);
   };
   /* Between two stored shapes the wire at the pantograph is known exactly: bend it there. */
   const contactShape = (pantographs) => {
@@ -145,9 +149,10 @@
   const drawDroppers = (view, contact, messenger) => {
     const { droppers, slack, frames } = state.film;
     const frame = below(frames.time, state.time), count = droppers.length;
+    const bit = (k) => (slack[k >> 3] >> (7 - (k & 7))) & 1;
     droppers.forEach((x, i) => {
       if (x < view.start || x > view.end) return;
-      const isSlack = slack.length > 0 && slack[frame * count + i] > 0;
+      const isSlack = slack.length > 0 && bit(frame * count + i) > 0;
       const px = view.x(x), top = view.z(heightOn(messenger, x));
       const foot = view.z(heightOn(contact, x));
       if (isSlack) {
@@ -161,7 +166,7 @@
   const drawWires = (view, contact, messenger) => {
     const toScreen = ([x, z]) => [view.x(x), view.z(z)];
     const seen = ([x]) => x > view.start - 15 && x < view.end + 15;
-    const still = Array.from(state.film.frames.x, (x, k) => [x, state.film.frames.contact[k]]);
+    const still = Array.from(state.film.frames.x, (x, k) => [x, state.film.frames.contactStill[k]]);
     line(still.filter(seen).map(toScreen), "#9aa5b0", 1, [5, 4]);
     line(messenger.filter(seen).map(toScreen), INK, 1.6);
     line(contact.filter(seen).map(toScreen), CONTACT, 2.6);

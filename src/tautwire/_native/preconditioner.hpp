@@ -1,0 +1,149 @@
+// The matrix of a reference state, turned node by node with the wires: x = R A^-1 R' r.
+//
+// The stiffest part of a wire, its axial stiffness, turns with the wire. A constant matrix is a poor
+// approximation of the tangent after small rotations; turned with the nodes it stays a good one.
+#pragma once
+
+#include "chain.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+
+// Turn the vector x by the rotation with axis * sine `w` and scale 1/(1 + cosine).
+template <class T>
+TAUTWIRE_INLINE void rotate(const T* w, T scale, T* x) {
+    const T first[3] = {w[1] * x[2] - w[2] * x[1], w[2] * x[0] - w[0] * x[2],
+                        w[0] * x[1] - w[1] * x[0]};
+    x[0] += first[0] + scale * (w[1] * first[2] - w[2] * first[1]);
+    x[1] += first[1] + scale * (w[2] * first[0] - w[0] * first[2]);
+    x[2] += first[2] + scale * (w[0] * first[1] - w[1] * first[0]);
+}
+
+template <class V, int B>
+class Preconditioner {
+public:
+    explicit Preconditioner(const Layout& layout)
+        : layout_(layout), chain_(layout), tangent_(layout.rows), rotation_(layout.rows) {}
+
+    BlockChain<V, B>& chain() { return chain_; }
+
+    // Take over the factor of `blocks` at a state whose nodes have the slopes passed to set_tangent.
+    bool factor(const Buffer<StationBlocks>& blocks) { return chain_.factor(blocks); }
+
+    void set_tangent(int row, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
+        for (int g = 0; g < kGroups; ++g) {
+            V t[3];
+            unit(group(g, contact, messenger), t);
+            for (int i = 0; i < 3; ++i) {
+                tangent_[row].t[g][i] = t[i];
+                rotation_[row].w[g][i] = broadcast<V>(0.0);
+            }
+            rotation_[row].scale[g] = broadcast<V>(0.5);
+        }
+    }
+
+    // Set the rotation of a row from the reference tangents to those of the present slopes.
+    TAUTWIRE_INLINE void set_rotation(
+        int row, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
+        for (int g = 0; g < kGroups; ++g) {
+            V t[3];
+            unit(group(g, contact, messenger), t);
+            const V(&t0)[3] = tangent_[row].t[g];
+            V(&w)[3] = rotation_[row].w[g];
+            w[0] = t0[1] * t[2] - t0[2] * t[1];
+            w[1] = t0[2] * t[0] - t0[0] * t[2];
+            w[2] = t0[0] * t[1] - t0[1] * t[0];
+            const V cosine = t0[0] * t[0] + t0[1] * t[1] + t0[2] * t[2];
+            rotation_[row].scale[g] = one() / (one() + cosine);
+        }
+    }
+
+    TAUTWIRE_INLINE void eliminate(int row, const Doubles (&r)[2][6]) {
+        V x[B];
+        if constexpr (B == 6) {
+            for (int i = 0; i < 6; ++i) x[i] = join(r[0][i], r[1][i]);
+        } else {
+            for (int i = 0; i < 12; ++i) x[i] = r[i / 6][i % 6];
+        }
+        const Rotation& turn = rotation_[row];
+        for (int g = 0; g < kGroups; ++g) {
+            const V back[3] = {-turn.w[g][0], -turn.w[g][1], -turn.w[g][2]};
+            rotate(back, turn.scale[g], x + 6 * g);
+            rotate(back, turn.scale[g], x + 6 * g + 3);
+        }
+        chain_.eliminate(row, x);
+    }
+
+    // Solve for a row, from the last to the first; `largest` and `total` collect |x| of translations
+    // lane by lane, the latter to find values that are not finite.
+    TAUTWIRE_INLINE void substitute(int row, Doubles (&out)[2][6], V& largest, V& total) {
+        V x[B];
+        const auto& local = chain_.substitute(row);
+        for (int i = 0; i < B; ++i) x[i] = local[i];
+        const Rotation& turn = rotation_[row];
+        for (int g = 0; g < kGroups; ++g) {
+            rotate(turn.w[g], turn.scale[g], x + 6 * g);
+            rotate(turn.w[g], turn.scale[g], x + 6 * g + 3);
+            for (int i = 0; i < 3; ++i) {
+                const V size = absolute(x[6 * g + i]);
+                largest = maximum(largest, size);
+                total += size;
+            }
+        }
+        for (int i = 0; i < 12; ++i) {
+            if constexpr (B == 6) {
+                out[i / 6][i % 6] = widen(x[i % 6], i / 6);
+            } else {
+                out[i / 6][i % 6] = x[i];
+            }
+        }
+    }
+
+    // Turn a nodal vector (translation or slope) of one node back to the reference orientation.
+    void turn_back(int station, int wire, double (&x)[3]) const {
+        const Rotation& turn = rotation_[layout_.row(station)];
+        const int g = B == 6 ? 0 : wire;
+        const int lane = layout_.lane(station) + (B == 6 ? kLanes * wire : 0);
+        const double back[3] = {-turn.w[g][0][lane], -turn.w[g][1][lane], -turn.w[g][2][lane]};
+        rotate<double>(back, turn.scale[g][lane], x);
+    }
+
+private:
+    static constexpr int kGroups = B / 6;  // V holds both wires for B = 6
+    struct Tangent {
+        V t[kGroups][3];
+    };
+    struct Rotation {
+        V w[kGroups][3], scale[kGroups];
+    };
+    struct Vector {
+        V x[3];
+    };
+
+    static V one() { return broadcast<V>(1.0); }
+
+    TAUTWIRE_INLINE static Vector group(
+        int g, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
+        Vector out;
+        for (int i = 0; i < 3; ++i) {
+            if constexpr (B == 6) {
+                out.x[i] = join(contact[i], messenger[i]);
+            } else {
+                out.x[i] = g == 0 ? contact[i] : messenger[i];
+            }
+        }
+        return out;
+    }
+
+    TAUTWIRE_INLINE static void unit(const Vector& v, V (&t)[3]) {
+        const V norm = square_root(v.x[0] * v.x[0] + v.x[1] * v.x[1] + v.x[2] * v.x[2]);
+        const V inverse = one() / norm;
+        for (int i = 0; i < 3; ++i) t[i] = v.x[i] * inverse;
+    }
+
+    Layout layout_;
+    BlockChain<V, B> chain_;
+    Buffer<Tangent> tangent_;
+    Buffer<Rotation> rotation_;
+};
+
+}  // namespace tautwire::TAUTWIRE_ISA

@@ -1,0 +1,44 @@
+"""JSON that programs read strictly and people read easily."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+
+def to_json(value: Any) -> str:
+    """Return JSON with one line per key and plain lists on one line.
+
+    Parameters
+    ----------
+    value
+        Mappings, sequences, texts, Python and NumPy numbers and arrays, nested as needed. A
+        number that is not finite becomes null.
+    """
+    return _written(plain(value), "")
+
+
+def plain(value: Any) -> Any:
+    """Return data that JSON knows; a number that is not finite becomes None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _written(value: Any, margin: str) -> str:
+    inner = margin + " "
+    if isinstance(value, dict) and value:
+        items = (f"{json.dumps(key)}: {_written(item, inner)}" for key, item in value.items())
+        return "{\n" + ",\n".join(inner + item for item in items) + f"\n{margin}}}"
+    if isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
+        lines = (inner + _written(item, inner) for item in value)
+        return "[\n" + ",\n".join(lines) + f"\n{margin}]"
+    return json.dumps(value, allow_nan=False)

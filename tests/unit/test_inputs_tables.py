@@ -1,0 +1,303 @@
+"""CSV tables of supports, droppers, roof motion and measured runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+from tautwire.inputs.measured import read_measured
+from tautwire.inputs.tables import MAX_PROBLEMS
+from tautwire.specs import Case
+
+SUPPORTS = """\
+# as built
+support, x [m], contact_height [m], encumbrance [mm], contact_stagger [mm]
+1,0,5.30,1200,200
+2,60,5.31,1250,-200
+3,115,5.32,1200,
+4,175,5.30,1200,200
+"""
+DROPPERS = """\
+span;dropper;position;presag [mm]
+1;1;5;0
+1;2;25;12,5
+1;3;45;0
+
+2;1;5,5;0
+2;2;49,5;0
+3;1;30;-5
+"""
+HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"
+
+
+def load_with(folder: Path, text: str = "", **tables: str) -> Case:
+    """Load a case file beside its tables."""
+    for name, content in tables.items():
+        (folder / f"{name}.csv").write_text(content, encoding="utf-8")
+    listed = "".join(f"  {name}: {name}.csv\n" for name in tables if name != "roof")
+    path = folder / "mine.yaml"
+    path.write_text(f"{HEAD}{'tables:' if listed else ''}\n{listed}{text}", encoding="utf-8")
+    return load_case(path)
+
+
+def problems_of(folder: Path, text: str = "", **tables: str) -> str:
+    """Return what is said about a case with tables."""
+    with pytest.raises(InputError) as caught:
+        load_with(folder, text, **tables)
+    return str(caught.value)
+
+
+def good_supports() -> str:
+    """Return the table of supports without its empty cell."""
+    return SUPPORTS.replace("1200,\n", "1200,150\n")
+
+
+def test_tables_describe_a_line(tmp_path: Path) -> None:
+    """Spans, heights, staggers and droppers come from the tables, units from their headers."""
+    case = load_with(tmp_path, supports=good_supports(), droppers=DROPPERS)
+    assert case.line.spans == 3
+    assert case.line.span_lengths() == (60.0, 55.0, 60.0)
+    assert case.supports.contact_heights(4) == (5.3, 5.31, 5.32, 5.3)
+    assert case.supports.encumbrances(4) == (1.2, 1.25, 1.2, 1.2)
+    assert case.supports.contact_staggers(4) == (0.2, -0.2, 0.15, 0.2)
+    assert case.supports.messenger_staggers(4) == (0.2, -0.2, 0.15, 0.2)
+    assert case.droppers.positions_by_span(3) == ((5.0, 25.0, 45.0), (5.5, 49.5), (30.0,))
+    assert case.droppers.presag_by_span(3) == ((0.0, 0.0125, 0.0), (0.0, 0.0), (-0.005,))
+
+
+def test_table_is_the_source_of_its_values(tmp_path: Path) -> None:
+    """The report can say which file a number came from."""
+    case = load_with(tmp_path, supports=good_supports())
+    sources = {source.path: source.source for source in case.sources}
+    assert sources["supports.contact_stagger"] == "Table supports.csv"
+    assert sources["line.span_length"] == "Table supports.csv"
+
+
+def test_span_lengths_instead_of_positions(tmp_path: Path) -> None:
+    """A support may carry the length of the span it begins; the last one begins none."""
+    table = "support\tspan_length\n1\t55\n2\t60,5\n3\t\n"
+    assert load_with(tmp_path, supports=table).line.span_lengths() == (55.0, 60.5)
+
+
+def test_lengths_and_presag_in_one_table(tmp_path: Path) -> None:
+    """A dropper table may hold both; the mode says which is used."""
+    table = "span,dropper,position,presag,length\n1,1,20,0.01,1.1\n"
+    text = "line: {spans: 1}\ndroppers: {mode: length}\n"
+    case = load_with(tmp_path, text, droppers=table)
+    assert case.droppers.lengths_by_span(1) == ((1.1,),)
+    assert case.droppers.presag_by_span(1) == ((0.01,),)
+
+
+def test_arm_ends(tmp_path: Path) -> None:
+    """The far ends of the arms are given per support, empty at the anchors."""
+    table = "support,x,arm_end_y,arm_end_z\n1,0,,\n2,55,1.0,5.5\n3,110,,\n"
+    case = load_with(tmp_path, "supports: {closure: arm}\n", supports=table)
+    assert case.supports.arm_end_y == (None, 1.0, None)
+    assert case.supports.arm_end_z == (None, 5.5, None)
+
+
+def test_empty_optional_column_is_left_out(tmp_path: Path) -> None:
+    """A column without any value says nothing; what was included stays."""
+    table = "support,x,encumbrance\n1,0,\n2,55,\n"
+    assert load_with(tmp_path, supports=table).supports.encumbrance == 1.2
+
+
+def test_byte_order_mark_and_line_ends(tmp_path: Path) -> None:
+    """Files as spreadsheets write them, with byte order mark and CRLF, are read."""
+    table = "\ufeff" + good_supports().replace("\n", "\r\n")
+    assert load_with(tmp_path, supports=table).line.spans == 3
+
+
+def test_number_of_spans_may_agree(tmp_path: Path) -> None:
+    """The number of spans may be given beside the table when it is the same."""
+    case = load_with(tmp_path, "line: {spans: 3}\n", supports=good_supports())
+    assert case.line.spans == 3
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (SUPPORTS, "supports.csv, line 5, column 'contact_stagger [mm]': is empty; fill the"),
+        ("x\n0\n1\n", "supports.csv: the column 'support' is missing; there are: x"),
+        ("support,contact_hight\n1,2\n", "column 'contact_hight'; did you mean 'contact_height'?"),
+        ("support,zzz\n1,2\n", "unknown column 'zzz'; known are: support, x, span_length"),
+        ("support,x,x\n1,2,3\n", "the column 'x' is given twice"),
+        ("support,x [s]\n1,2\n", "column 'x [s]': the unit does not fit; expected a length [m]"),
+        ("support,x [foo]\n1,2\n", "column 'x [foo]': the unit does not fit; expected a length"),
+        ("support [m],x\n1,2\n", "column 'support [m]': takes no unit"),
+        ("support,x\n", "has a header but no rows"),
+        ("# nothing\n", "has no header row; name the columns in the first line"),
+        ("  \n", "is empty; a table has a header row and one row per item"),
+        ("support,x\n1,0\n", "has one row; a line has at least two supports"),
+        ("support,x\n1,0\n3,50\n", "line 3, column 'support': got 3, expected 2; number them"),
+        ("support,x\n1,0\n2,a\n", "line 3, column 'x': got 'a'; cells hold plain numbers"),
+        ("support,x\n1,0\n2,50 m\n", "the unit stands in the header, as in 'x [m]'"),
+        ("support,x\n1,0\n2,nan\n", "line 3, column 'x': got 'nan'; cells hold plain numbers"),
+        ("support,x\n1,0\n2,1e999\n", "line 3, column 'x': got '1e999 m', not a finite number"),
+        ("support,x\n1,0\n1.5,50\n", "column 'support': got '1.5'; expected a number 1, 2, 3"),
+        ("support,x\n1,0\n2,50,7\n", "line 3: has 3 cells for 2 columns; check separators"),
+        ("support;x\n1;0\n2;1.234,5\n", "line 3, column 'x': got '1.234.5'"),
+        ("support,x\n1,50\n2,50\n", "line 3, column 'x': got 50 m after 50 m; must increase"),
+        ("support,x,span_length\n1,0,5\n2,5,\n", "has both columns 'x' and 'span_length'"),
+        ("support,span_length\n1,\n2,\n3,5\n", "line 2, column 'span_length': is empty; only"),
+        ("support,span_length\n1,50\n2,50\n", "line 3, column 'span_length': must be empty"),
+        ("support,x\n,0\n,50\n", "the column 'support' is empty"),
+        ("support,x\n1,0\n2," + '"' + "5" * 200_000 + "\n", "is not a table (field larger than"),
+    ],
+    ids=range(26),
+)
+def test_bad_support_table(table: str, words: str, tmp_path: Path) -> None:
+    """A message names file, line and column."""
+    told = problems_of(tmp_path, supports=table)
+    assert words in told
+    assert "supports.csv" in told
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("span,dropper,position\n1,1,5\n", "has neither a column 'presag' nor a column 'length'"),
+        ("span,dropper,position,presag\n1,1,,0\n", "the column 'position' is empty"),
+        (
+            "span,dropper,position,presag\n1,1,5,0\n1,2,,0\n",
+            "line 3, column 'position': is empty",
+        ),
+        (
+            "span,dropper,position,presag\n1,1,5,0\n3,1,5,0\n",
+            "line 3, column 'span': got 3, expected 1 or 2; list the droppers span by span",
+        ),
+        (
+            "span,dropper,position,presag\n1,1,5,0\n1,3,9,0\n",
+            "line 3, column 'dropper': got 3, expected 2; number the droppers of each span",
+        ),
+        (
+            "span,dropper,position,presag\n1,1,5,24\n",
+            "droppers.csv, line 2, column 'presag'; dropper 1 of span 1, x = 5 m): got 24",
+        ),
+        (
+            "span,dropper,position,presag\n1,1,75,0\n",
+            "droppers.csv, line 2, column 'position'; dropper 1 of span 1, x = 75 m): got 75 m",
+        ),
+    ],
+    ids=range(7),
+)
+def test_bad_dropper_table(table: str, words: str, tmp_path: Path) -> None:
+    """A message names file, line and column, also for values that only the line refuses."""
+    assert words in problems_of(tmp_path, "line: {spans: 1}\n", droppers=table)
+
+
+def test_number_of_spans_must_agree(tmp_path: Path) -> None:
+    """A dropper table for another number of spans is refused."""
+    told = problems_of(tmp_path, droppers=DROPPERS)
+    assert "droppers.positions: has 3 lists for 17 spans" in told
+
+
+def test_value_in_file_and_table(tmp_path: Path) -> None:
+    """What is given twice with different values is refused."""
+    told = problems_of(tmp_path, "supports: {encumbrance: 1.3}\n", supports=good_supports())
+    assert "supports.encumbrance: is given here and in the table" in told
+
+
+def test_faults_of_both_tables_and_of_the_case(tmp_path: Path) -> None:
+    """Faults of tables and of values elsewhere come together, without their consequences."""
+    told = problems_of(
+        tmp_path,
+        "wires: {contact: {tension: 22 kg}}\n",
+        supports="support,x\n1,a\n2,b\n",
+        droppers="span,dropper,position,presag\n1,1,c,0\n",
+    )
+    assert len(told.splitlines()) == 4
+    assert "wires.contact.tension" in told
+
+
+def test_long_lists_of_faults_are_cut(tmp_path: Path) -> None:
+    """A table full of faults is answered with the first ones and a count."""
+    rows = "".join(f"{number},x\n" for number in range(1, 101))
+    told = problems_of(tmp_path, supports="support,x\n" + rows)
+    assert len(told.splitlines()) == MAX_PROBLEMS + 1
+    assert told.endswith("70 more problems")
+
+
+def test_huge_table(tmp_path: Path) -> None:
+    """A table of 100 MB is refused unread; the message names size and limit."""
+    with (tmp_path / "huge.csv").open("wb") as stream:
+        stream.truncate(100_000_000)
+    told = problems_of(tmp_path, "tables: {supports: huge.csv}\n")
+    assert "has 100.0 MB; at most 20 MB are read as a table; split the file" in told
+
+
+def test_roof_motion(tmp_path: Path) -> None:
+    """The motion of the roof may come from a table."""
+    text = (
+        "pantographs:\n- include: benchmark-2015-pantograph\n  name: front\n"
+        "  roof_motion: {table: roof.csv}\n"
+    )
+    roof = "time [ms];height [mm]\n0;0\n500;-1,5\n"
+    motion = load_with(tmp_path, text, roof=roof).pantographs[0].roof_motion
+    assert motion is not None
+    assert (motion.time, motion.height) == ((0.0, 0.5), (0.0, -0.0015))
+    told = problems_of(tmp_path, text, roof="time;height\n0;0\n1;\n")
+    assert told.endswith(
+        "line 3, column 'height': is empty; fill the column or leave all of it empty"
+    )
+
+
+def measured(folder: Path, text: str) -> Path:
+    """Write a measured run."""
+    path = folder / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_measured_run(tmp_path: Path) -> None:
+    """A measured run has positions and forces; other columns are optional or ignored."""
+    text = (
+        "time [ms],position [km],Force [N],arc,speed [km/h],uplift [mm]\n"
+        "0,1,150,0,320,3\n"
+        "5,1.1,160,1,320,4\n"
+    )
+    run = read_measured(measured(tmp_path, text))
+    assert run.time is not None
+    assert run.speed is not None
+    assert run.uplift is not None
+    np.testing.assert_allclose(run.position, [1000.0, 1100.0])
+    np.testing.assert_allclose(run.force, [150.0, 160.0])
+    np.testing.assert_allclose(run.time, [0.0, 0.005])
+    np.testing.assert_allclose(run.speed, 320 / 3.6)
+    np.testing.assert_allclose(run.uplift, [0.003, 0.004])
+
+
+def test_measured_run_without_time_backwards(tmp_path: Path) -> None:
+    """A run against the chainage without time is read as it is."""
+    run = read_measured(measured(tmp_path, "position,force\n9,1\n8,2\n8,3\n"))
+    assert run.time is None
+    np.testing.assert_array_equal(run.position, [9.0, 8.0, 8.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time,force\n0,1\n1,2\n", "the column 'position' is missing; there are: time, force"),
+        ("position,force\n0,1\n", "has one row; a record has at least two samples"),
+        ("position,force\n0,1\n1,\n", "line 3, column 'force': is empty"),
+        (
+            "time,position,force\n0,0,1\n0,1,1\n",
+            "line 3, column 'time': does not increase; sort the rows by time",
+        ),
+        (
+            "position,force\n0,1\n2,1\n1,1\n3,1\n",
+            "line 4, column 'position': turns back; give one passage in one direction",
+        ),
+        ("position,force\n0,1\n1,x\n2,y\n", "line 4, column 'force': got 'y'"),
+    ],
+    ids=range(6),
+)
+def test_bad_measured_run(text: str, words: str, tmp_path: Path) -> None:
+    """A message names file, line and column."""
+    with pytest.raises(InputError) as caught:
+        read_measured(measured(tmp_path, text))
+    assert words in str(caught.value)
