@@ -38,6 +38,7 @@ html_show_sourcelink = False
 html_sidebars = {"**": ["globaltoc.html"]}
 html_theme_options = {
     "navbar_center": [],
+    "show_toc_level": 2,
     "navigation_with_keys": False,
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],

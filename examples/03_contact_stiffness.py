@@ -1,8 +1,8 @@
 """What does the contact stiffness change in the contact force?
 
-Expect: below 5 Hz nothing (less than 5 %), between 5 and 20 Hz a lot: the head on a contact spring of
-50 kN/m resonates at 14 Hz, on one of 200 kN/m at 26 Hz. A short line, a coarse mesh and a step of
-2 ms keep this example quick; they are too coarse for figures to be quoted.
+Expect: below 5 Hz nothing (less than 5 %), between 5 and 20 Hz a lot: the head on a contact spring
+of 50 kN/m resonates at 14 Hz, on one of 200 kN/m at 26 Hz. A short line, a coarse mesh and a step
+of 2 ms keep this example quick; they are too coarse for figures to be quoted.
 """
 
 import tautwire as tw

@@ -1,8 +1,8 @@
 """How much does a second pantograph suffer from the first?
 
-Expect: 100 m behind the first one, at 320 km/h, the second one's contact force varies more, and the
-first one does not notice it. A short line, a coarse mesh and a step of 2 ms keep this example quick;
-they are too coarse for figures to be quoted.
+Expect: 100 m behind the first one, at 320 km/h, the second one's contact force varies more. A short
+line, a coarse mesh and a step of 2 ms keep this example quick; they are too coarse for figures to
+be quoted.
 """
 
 import tautwire as tw

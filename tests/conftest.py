@@ -72,7 +72,7 @@ def record_validation(request: pytest.FixtureRequest) -> Callable[..., bool]:
                 "quantity": quantity,
                 "unit": unit,
                 "ours": float(f"{ours:.6g}"),
-                "target": target,
+                "target": None if target is None else float(f"{target:.6g}"),
                 "tolerance": _tolerance(relative, absolute, allowed),
                 "source": source,
                 "verdict": "inside" if inside else "outside",

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import tautwire
 from tautwire.inputs import line_tables, measured
 from tautwire.specs.not_modelled import NOT_MODELLED
 
@@ -65,3 +66,27 @@ def test_every_table_column_is_on_the_page(root: Path) -> None:
         *measured.COLUMNS,
     )
     assert [column.name for column in columns if f"`{column.name}`" not in text] == []
+
+
+def test_own_line_page_describes_a_line_that_stands(root: Path, tmp_path: Path) -> None:
+    """The pieces of ``docs/own-line.md`` make a line whose droppers and arms all pull."""
+    text = (root / "docs" / "own-line.md").read_text(encoding="utf-8")
+    pieces = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    case_file = tmp_path / "my-line.yaml"
+    lines = ["include: ac-simple", "name: my-line", "scenario: {speed: 160 km/h}", *pieces[:2]]
+    case_file.write_text("\n".join(lines), encoding="utf-8")
+    shape = tautwire.find_shape(tautwire.build(tautwire.load_case(case_file)))
+    assert len(shape.dropper_forces) == 14 * 5
+    assert shape.dropper_forces.min() > 0.0
+    assert shape.arm_forces.min() > 0.0
+
+
+def test_included_variant_loads(root: Path, tmp_path: Path) -> None:
+    """The include example of ``docs/inputs.md`` replaces what it names and keeps the rest."""
+    text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")
+    (tmp_path / "variant.yaml").write_text(
+        re.findall(r"```yaml\n(include.*?)```", text, re.DOTALL)[0], encoding="utf-8"
+    )
+    wires = tautwire.load_case(tmp_path / "variant.yaml").wires
+    assert wires.contact.tension == 27e3
+    assert wires.messenger.tension == 16e3

@@ -81,6 +81,27 @@ BAD_VALUES = {
         "supports: {encumbrance: [1.2, 1.3]}",
         ["supports.encumbrance: has 2 values; 17 spans have 18 supports", "one value per support"],
     ),
+    "too few arm ends": (
+        "supports: {closure: arm, arm_end_y: [null, 1, null], arm_end_z: [null, 5.5, null]}",
+        ["supports.arm_end_y: has 3 values; 17 spans have 18 supports"],
+    ),
+    "short span": (
+        "line: {spans: 2, span_length: [55, 0.5]}",
+        ["line.span_length[2] (span 2): got 0.5; must be at least 1 m (typical: 40 to 65 m)"],
+    ),
+    "stagger of nothing": (
+        "supports: {messenger_stagger: null}",
+        ["supports.messenger_stagger: got nothing; expected the word 'contact' or a single value"],
+    ),
+    "stagger too large, given with a unit": (
+        "supports: {contact_stagger: [0.2, 200 cm]}",
+        ["supports.contact_stagger[2] (support 2, x = 55 m): got '200 cm' (2 m); must be at most"],
+    ),
+    "faults in a line that is not valid": (
+        "line: {span_length: flat}\nsupports: {contact_stagger: [5 s]}\n"
+        "droppers: {presag: [[5 s]]}",
+        ["supports.contact_stagger[1] (support 1): got", "(dropper 1 of span 1): got '5 s'"],
+    ),
     "missing arm end": (
         (
             "line: {spans: 2}\nsupports: {closure: arm, arm_end_y: [null, null, null], "
@@ -192,6 +213,15 @@ BAD_VALUES = {
     ),
     "name that is a path": ("name: ../x", ["name: got '../x'; expected a name without slashes"]),
     "name that is a number": ("title: 320", ["title: got 320; expected a text (put a number in"]),
+    "empty name": (
+        "pantographs: [{include: benchmark-2015-pantograph, name: ''}]",
+        ["pantographs[1].name (pantograph ''): got ''; expected a text that is not empty"],
+    ),
+    "long name": (f"name: {'x' * 61}", ["name: got 'xxx", "expected a shorter text"]),
+    "stiffness of nothing": (
+        "droppers: {stiffness: null}",
+        ["droppers.stiffness: got nothing; expected a mapping with the keys spring, axial"],
+    ),
     "same name twice": (
         (
             "pantographs: [{include: benchmark-2015-pantograph, name: a}, "
@@ -386,6 +416,17 @@ def test_neighbouring_file_is_suggested(tmp_path: Path) -> None:
     """A misspelt file name is answered with the file beside it."""
     (tmp_path / "my-line.yaml").write_text(HEAD, encoding="utf-8")
     assert "did you mean 'my-line.yaml'?" in problems_of(tmp_path / "my-lime.yaml")
+
+
+def test_unreadable_neighbours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the folder cannot be listed, the message comes without a suggestion."""
+
+    def refuse(_: Path) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    told = problems_of(tmp_path / "my-line.yaml")
+    assert told.endswith("there is no such file; check the path")
 
 
 def test_directory(tmp_path: Path) -> None:

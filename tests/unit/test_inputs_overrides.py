@@ -182,6 +182,10 @@ def test_override_is_its_own_source() -> None:
         ("droppers.lengths[1]=1", "droppers.lengths: holds no list; give the whole list first"),
         ("supports.arm_end_y[2]=1", "supports.arm_end_y: holds no list; give the whole list"),
         ("scenario.speed[1]=1", "override scenario.speed: is not a list; leave out the index"),
+        (
+            "pantographs.behind=5",
+            "override pantographs: is a list; say which item, as in pantographs[1].behind",
+        ),
         ("schema=2", "override schema: cannot be overridden; edit the file"),
         ("sources[1].source=x", "override sources[1].source: cannot be overridden"),
         ("wires.contact.mass=-1", "wires.contact.mass: got -1; must be greater than 0 kg/m"),

@@ -100,6 +100,13 @@ def test_arm_ends(tmp_path: Path) -> None:
     assert case.supports.arm_end_z == (None, 5.5, None)
 
 
+def test_supports_without_positions(tmp_path: Path) -> None:
+    """A table without positions sets the number of spans; their length stays."""
+    table = "support,contact_height\n1,5.3\n2,5.4\n3,5.3\n"
+    case = load_with(tmp_path, supports=table)
+    assert case.line.span_lengths() == (55.0, 55.0)
+
+
 def test_empty_optional_column_is_left_out(tmp_path: Path) -> None:
     """A column without any value says nothing; what was included stays."""
     table = "support,x,encumbrance\n1,0,\n2,55,\n"

@@ -66,5 +66,5 @@ def test_force_record_starts_when_the_pantograph_enters() -> None:
 
 def test_unknown_pantograph_is_refused() -> None:
     """A wrong name is refused and the right ones listed."""
-    with pytest.raises(InputError, match="'middle'.*front"):
+    with pytest.raises(InputError, match=r"'middle'.*front"):
         make_run(make_case(spans=2), duration=0.05).contact_force("middle")

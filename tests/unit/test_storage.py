@@ -330,5 +330,7 @@ def test_missing_folder_is_refused(tmp_path: Path) -> None:
 def test_module_is_light() -> None:
     """Importing the storage loads neither h5py nor pandas; reading and writing do."""
     code = "import sys, tautwire.results.storage; print({'h5py', 'pandas'} & set(sys.modules))"
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert answer.stdout.strip() == "set()"

@@ -65,6 +65,8 @@ BAD = [
     ("5 m-1", "m", "unexpected '-'"),
     ("5 m)", "m", "unexpected ')'"),
     ("5 %", "m", "unexpected '%'"),
+    ("5 (Gm^9)^9", "m", "the unit is out of range"),
+    ("5 (nm^9)^9", "m", "the unit is out of range"),
     ("5 m*", "m", "the unit ends too early"),
     ("5 *m", "m", "unexpected '*'"),
     ("5 " + "m" * 200, "m", "is longer than 100 characters"),

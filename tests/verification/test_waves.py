@@ -72,7 +72,7 @@ def test_dispersion_by_bending() -> None:
     """Standing waves down to 0.25 m length, where bending decides, follow omega^2 = (T k^2 +
     EI k^4)/m to 1e-5; curvature per unstrained length makes the stiffness EI/|r'|."""
     k = np.pi / 5.0 * np.arange(1, 41)
-    ours = eigenfrequencies(straight_wire(5.0, 240), 40)
+    ours = eigenfrequencies(straight_wire(5.0, 400), 40)
     assert np.abs(ours / angular_frequency(k, BENDING / STRETCH) - 1.0).max() <= 1e-5
     assert np.abs(ours / angular_frequency(k) - 1.0).max() <= 1e-3
     assert angular_frequency(k)[-1] / (SPEED * k[-1]) > 2.0
@@ -128,21 +128,21 @@ def test_wave_speed_on_a_bare_wire(record_validation: Record) -> None:
 
 def test_frequency_in_time() -> None:
     """A standing wave of 1 m in time has omega of the dispersion relation, shifted by Newmark as
-    tan(w dt/2) = omega dt/2, to 1e-5: mass, stiffness and time integration fit together."""
+    tan(w dt/2) = omega dt/2, within a phase of 1e-3 after 12 periods."""
     length, dt, steps = 3.0, 2e-4, 400
-    wire = straight_wire(length, 36)
+    wire = straight_wire(length, 60)
     k = 6.0 * np.pi / length
     q = wire.position.reshape(-1, 6).copy()
     q[:, 2] = 1e-5 * np.sin(k * q[:, 0])
     q[:, 5] = 1e-5 * STRETCH * k * np.cos(k * q[:, 0])
     omega = float(angular_frequency(np.array([k]), BENDING / STRETCH)[0])
     shifted = 2.0 / dt * np.arctan(0.5 * omega * dt)
-    run = stepper(wire, dt, observed=np.array([6 * 3 + 2]), tolerance=1e-13)
+    run = stepper(wire, dt, observed=np.array([6 * 5 + 2]), tolerance=1e-13)
     run.start_from(q.ravel(), np.zeros(wire.dof_count))
     block = run.advance(steps)
-    expected = q[3, 2] * np.cos(shifted * block.time)
+    expected = q[5, 2] * np.cos(shifted * block.time)
     assert omega * dt > 0.15
-    assert np.abs(block.observed[:, 0] - expected).max() <= 1e-3 * q[3, 2]
+    assert np.abs(block.observed[:, 0] - expected).max() <= 1e-3 * q[5, 2]
 
 
 def force_at(position: float, velocity: float, force: float, ramp: float) -> PantographInput:
@@ -216,11 +216,11 @@ class MovingForce:
         return (self.modes(np.array([time])) * np.sin(self.k * x)).sum(axis=0)
 
 
-@pytest.mark.parametrize("velocity", [20.0, 60.0])
+@pytest.mark.parametrize("velocity", [35.0, 60.0])
 def test_moving_constant_force(velocity: float, record_validation: Record) -> None:
     """A constant force of 20 N moving along a wire of 50 m lifts the wire under itself, and all
     along it, as the modal series says, within 0.5 % and 2 % of the largest uplift."""
-    run = stepper(straight_wire(50.0, 70), 1e-3, pantographs=(force_at(0.0, velocity, 20.0, 0.02),))
+    run = stepper(straight_wire(50.0, 60), 1e-3, pantographs=(force_at(0.0, velocity, 20.0, 0.02),))
     exact = MovingForce(50.0, velocity, 20.0, 0.02)
     block = run.advance(round(30.0 / velocity / 1e-3))
     ours, theirs = block.wire_height[:, 0], exact.under_the_force(block.time)

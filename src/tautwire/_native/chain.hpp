@@ -17,6 +17,18 @@ struct PointColumn {
     static constexpr int kStations = 40;
     int first = 0, count = 0, wire = 0;
     double w[kStations][B], z[kStations][B];
+
+    // rhs' A^-1 (rhs of another column)
+    double response_to(const PointColumn& other) const {
+        double sum = 0.0;
+        if (other.wire != wire && B == 6) return sum;
+        for (int n = 0; n < count; ++n) {
+            const int m = first + n - other.first;
+            if (m < 0 || m >= other.count) continue;
+            for (int i = 0; i < B; ++i) sum += z[n][i] * other.w[m][i];
+        }
+        return sum;
+    }
 };
 
 // V holds one value per segment (B = 12), or one per segment and wire (B = 6).
@@ -91,7 +103,7 @@ public:
     // Forward-eliminate a right-hand side on one wire's element between `station` and the next.
     void eliminate_point(int station, int wire, const double (&rhs)[2][6], PointColumn<B>& out) const;
 
-    // Return z' y: the row w' of the inverse applied to the present right-hand side.
+    // Return (rhs of the column)' A^-1 (present right-hand side).
     double respond(const PointColumn<B>& column) const {
         double sum = 0.0;
         for (int n = 0; n < column.count; ++n)

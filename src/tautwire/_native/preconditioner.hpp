@@ -5,6 +5,7 @@
 #pragma once
 
 #include "chain.hpp"
+#include "line.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 
@@ -21,29 +22,29 @@ TAUTWIRE_INLINE void rotate(const T* w, T scale, T* x) {
 template <class V, int B>
 class Preconditioner {
 public:
+    using Vector = V;
+    static constexpr int kBlock = B;
+
     explicit Preconditioner(const Layout& layout)
         : layout_(layout), chain_(layout), tangent_(layout.rows), rotation_(layout.rows) {}
 
     BlockChain<V, B>& chain() { return chain_; }
+    const BlockChain<V, B>& chain() const { return chain_; }
 
-    // Take over the factor of `blocks` at a state whose nodes have the slopes passed to set_tangent.
-    bool factor(const Buffer<StationBlocks>& blocks) { return chain_.factor(blocks); }
-
-    void set_tangent(int row, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
-        for (int g = 0; g < kGroups; ++g) {
-            V t[3];
-            unit(group(g, contact, messenger), t);
-            for (int i = 0; i < 3; ++i) {
-                tangent_[row].t[g][i] = t[i];
-                rotation_[row].w[g][i] = broadcast<V>(0.0);
+    // Factor the blocks of a state; false when they are not positive definite.
+    bool factor(const Buffer<StationBlocks>& blocks, const Buffer<Row>& state) {
+        for (int row = 0; row < layout_.rows; ++row)
+            for (int g = 0; g < kGroups; ++g) {
+                unit(group(g, state[row][0] + 3, state[row][1] + 3), tangent_[row].t[g]);
+                for (V& component : rotation_[row].w[g]) component = broadcast<V>(0.0);
+                rotation_[row].scale[g] = broadcast<V>(0.5);
             }
-            rotation_[row].scale[g] = broadcast<V>(0.5);
-        }
+        return chain_.factor(blocks);
     }
 
     // Set the rotation of a row from the reference tangents to those of the present slopes.
     TAUTWIRE_INLINE void set_rotation(
-        int row, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
+        int row, const Doubles* contact, const Doubles* messenger) {
         for (int g = 0; g < kGroups; ++g) {
             V t[3];
             unit(group(g, contact, messenger), t);
@@ -115,15 +116,15 @@ private:
     struct Rotation {
         V w[kGroups][3], scale[kGroups];
     };
-    struct Vector {
+    struct Triple {
         V x[3];
     };
 
     static V one() { return broadcast<V>(1.0); }
 
-    TAUTWIRE_INLINE static Vector group(
-        int g, const Doubles (&contact)[3], const Doubles (&messenger)[3]) {
-        Vector out;
+    TAUTWIRE_INLINE static Triple group(
+        int g, const Doubles* contact, const Doubles* messenger) {
+        Triple out;
         for (int i = 0; i < 3; ++i) {
             if constexpr (B == 6) {
                 out.x[i] = join(contact[i], messenger[i]);
@@ -134,7 +135,7 @@ private:
         return out;
     }
 
-    TAUTWIRE_INLINE static void unit(const Vector& v, V (&t)[3]) {
+    TAUTWIRE_INLINE static void unit(const Triple& v, V (&t)[3]) {
         const V norm = square_root(v.x[0] * v.x[0] + v.x[1] * v.x[1] + v.x[2] * v.x[2]);
         const V inverse = one() / norm;
         for (int i = 0; i < 3; ++i) t[i] = v.x[i] * inverse;

@@ -92,7 +92,7 @@ inline constexpr int kLanesOf = static_cast<int>(sizeof(V) / sizeof(std::declval
 
 template <class V>
 TAUTWIRE_INLINE V broadcast(double value) {
-    V out;
+    V out = {};
     for (int i = 0; i < kLanesOf<V>; ++i) out[i] = static_cast<std::decay_t<decltype(out[0])>>(value);
     return out;
 }

@@ -65,7 +65,9 @@ def tune_mean_force(
     forces = np.array(model.case.uplift_forces())
     slope = np.full(len(forces), _FIRST_SLOPE)
     previous: tuple[Array, Array] | None = None
-    for number in range(1, MOST_PASSES + 1):
+    number = 0
+    while True:
+        number += 1
         run = simulate(
             model,
             shape,
@@ -81,13 +83,17 @@ def tune_mean_force(
             return run
         if previous is not None:
             slope = _secant_slope(forces - previous[0], means - previous[1], slope)
+        if number == MOST_PASSES:
+            raise ConvergenceError(_missed(means, target), partial=run)
         previous = (forces, means)
         forces = forces + (target - means) / slope
-    raise ConvergenceError(
-        f"mean-force tuning: after {MOST_PASSES} passages the mean forces are "
-        f"{', '.join(f'{m:.1f} N' for m in means)} instead of {target:.1f} N. "
-        "Check scenario.mean_force, or prescribe scenario.uplift_force.",
-        partial=run,
+
+
+def _missed(means: Array, target: float) -> str:
+    reached = ", ".join(f"{m:.1f} N" for m in means)
+    return (
+        f"mean-force tuning: after {MOST_PASSES} passages the mean forces are {reached} instead of "
+        f"{target:.1f} N. Check scenario.mean_force, or prescribe scenario.uplift_force."
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from tautwire.analyses.dynamics import Progress, simulate
 from tautwire.analyses.mean_force import tune_mean_force
 from tautwire.analyses.shape import find_shape
-from tautwire.inputs.load import load_case
+from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import build
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
@@ -47,7 +47,11 @@ def run(
     >>> run("ac-simple", speed="275 km/h")  # doctest: +SKIP
     """
     changes = dict(overrides or {}) | {f"scenario.{k}": v for k, v in scenario.items()}
-    return run_case(load_case(case, changes), backend=backend, watch=watch)
+    if isinstance(case, Case):
+        chosen = make_case(case.to_dict(), changes) if changes else case
+    else:
+        chosen = load_case(case, changes)
+    return run_case(chosen, backend=backend, watch=watch)
 
 
 def run_case(

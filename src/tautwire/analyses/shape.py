@@ -126,10 +126,11 @@ def _dropper_forces(form: Form) -> Array:
 def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
     """Raise when a prescribed height asks a dropper to push."""
     mesh = model.mesh
+    drops = _presags(model)
     faults = [
         f"dropper {mesh.dropper_number[i]} of span {mesh.dropper_span[i]}, "
         f"x = {mesh.dropper_x[i]:.2f} m, would have to push ({forces[i]:.1f} N); "
-        f"raise the contact wire there (droppers.presag, now {1e3 * _presag(model, i):.1f} mm; "
+        f"raise the contact wire there (droppers.presag, now {1e3 * drops[i]:.1f} mm; "
         "a few millimetres less are usually enough) or use length mode"
         for i in np.flatnonzero(forces < 0.0)
     ]
@@ -137,9 +138,9 @@ def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
         raise ModelError("\n".join(faults))
 
 
-def _presag(model: Model, dropper: int) -> float:
+def _presags(model: Model) -> list[float]:
     values = model.case.droppers.presag_by_span(model.case.line.spans)
-    return [v for span in values for v in span][dropper]
+    return [v for span in values for v in span]
 
 
 @dataclass(frozen=True)

@@ -33,13 +33,14 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "size": _size(case),
         }
     )
-    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
-    answer.show(heading("Wave quantities"), _wave_table(quantities))
-    answer.show(heading("Advice"), *_advice_view(advice))
     refused = [str(item) for item in advice if item.severity == "refused"]
     if refused:
         answer.document["valid"] = False
         answer.fail("model", refused, REFUSED)
+        return
+    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
+    answer.show(heading("Wave quantities"), _wave_table(quantities))
+    answer.show(heading("Advice"), *_advice_view(advice))
 
 
 def _size(case: Case) -> dict[str, int]:

@@ -14,7 +14,7 @@ from tautwire.cli.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
 from tautwire.inputs.files import did_you_mean
 from tautwire.reproductions import en50318_2002
-from tautwire.reproductions.record import Record, found_text, writers
+from tautwire.reproductions.record import Record, found_text, range_text, writers
 
 STUDIES = {en50318_2002.STUDY: en50318_2002.reproduce}
 
@@ -53,7 +53,7 @@ def _record_view(record: Record) -> list[Any]:
         rows = [
             (
                 claim.name,
-                _range(claim.low, claim.high, claim.unit),
+                range_text(claim),
                 *(found_text(claim, kind) for kind in kinds),
                 claim.verdict,
             )
@@ -70,7 +70,3 @@ def _record_view(record: Record) -> list[Any]:
         inputs or "none",
     ]
     return parts
-
-
-def _range(low: float, high: float, unit: str) -> str:
-    return f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"

@@ -55,6 +55,8 @@ _EXPECTED = {
     "bool_type": "true or false",
     "string_type": "a text (put a number in quotes)",
     "tuple_type": "a list, as in [1, 2, 3]",
+    "string_too_short": "a text that is not empty",
+    "string_too_long": "a shorter text",
     "string_pattern_mismatch": "a name without slashes and control characters",
 }
 
@@ -184,11 +186,12 @@ def _out_of_range(fault: ErrorDetails, target: Target, written: Any) -> str:
     si = f" ({fault['input']:g} {quantity.unit})" if isinstance(written, str) else ""
     typical = f" (typical: {quantity.typical})" if quantity.typical else ""
     allowed = f"; must be {words} {bound:g} {quantity.unit}".rstrip()
-    return f"{si}{allowed}{typical}{_slip(quantity, written)}"
+    slip = _slip(quantity, written) if key in ("lt", "le") else ""
+    return f"{si}{allowed}{typical}{slip}"
 
 
 def _slip(quantity: Quantity, written: Any) -> str:
-    """Suggest the everyday unit when the bare number fits in it."""
+    """Suggest the everyday unit for a bare number that is too large in SI and fits in it."""
     unit = _SLIPS.get(quantity.unit)
     if unit is None or not isinstance(written, (int, float)):
         return ""
@@ -200,7 +203,7 @@ def _slip(quantity: Quantity, written: Any) -> str:
 
 
 def _shown(value: object) -> str:
-    text = repr(value).removesuffix(".0")
+    text = "nothing" if value is None else repr(value).removesuffix(".0")
     return text if len(text) <= 60 else text[:57] + "..."
 
 

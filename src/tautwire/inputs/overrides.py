@@ -62,8 +62,12 @@ def _check_path(path: Path) -> None:
     if path[0] in PROTECTED:
         raise PathError(f"{format_path(path)}: cannot be overridden; edit the file")
     for depth in range(1, len(path)):
-        if isinstance(path[depth], int) and not find_target(path[:depth]).holds_list():
-            raise PathError(f"{format_path(path[:depth])}: is not a list; leave out the index")
+        above, is_list = format_path(path[:depth]), find_target(path[:depth]).holds_list()
+        if isinstance(path[depth], int) and not is_list:
+            raise PathError(f"{above}: is not a list; leave out the index")
+        if isinstance(path[depth], str) and isinstance(path[depth - 1], str) and is_list:
+            item = format_path((*path[:depth], 0, path[depth]))
+            raise PathError(f"{above}: is a list; say which item, as in {item}")
     find_target(path)
 
 

@@ -107,7 +107,7 @@ def _lumps(case: Case, mesh: Mesh) -> tuple[Array, Array]:
     mass[2 * mesh.dropper_station + MESSENGER] += case.droppers.clamp_messenger
     inner = interior_support_nodes(mesh, CONTACT)
     mass[inner] += case.supports.clamp
-    if case.supports.closure == "spring":
+    if case.supports.spring is not None and case.supports.closure == "spring":
         mass[inner] += case.supports.spring.mass
     return mass, mass * case.line.gravity
 
@@ -225,12 +225,7 @@ def _system(
     per_wire = np.repeat([[w.axial_stiffness, w.bending_stiffness, w.mass] for w in wires],
                          n - 1, axis=0)  # fmt: skip
     arms = given_arms(case, mesh, supports.contact_height, supports.contact_y)
-    stiffness = case.droppers.stiffness
-    dropper_k = (
-        np.full(len(mesh.dropper_x), stiffness.spring)
-        if stiffness.spring is not None
-        else stiffness.axial / guess.dropper_length
-    )
+    dropper_k = [case.droppers.stiffness.of_length(length) for length in guess.dropper_length]
     return System(
         cable_nodes=np.concatenate(
             [np.stack([mesh.nodes(w)[:-1], mesh.nodes(w)[1:]], 1) for w in (CONTACT, MESSENGER)]
@@ -241,7 +236,7 @@ def _system(
         cable_mass=per_wire[:, 2],
         dropper_nodes=2 * mesh.dropper_station[:, None] + np.array([MESSENGER, CONTACT]),
         dropper_length=guess.dropper_length,
-        dropper_stiffness=dropper_k,
+        dropper_stiffness=np.array(dropper_k),
         **arms,
         spring_dofs=np.empty(0, dtype=np.int64),
         spring_stiffness=np.empty(0),

@@ -104,7 +104,7 @@ def _springs(model: Model, shape: Equilibrium) -> dict[str, Any]:
     stiffness = [np.full(len(dofs[0]), spec.messenger_stiffness)]
     damping = [np.full(len(dofs[0]), spec.messenger_damping)]
     free = [shape.messenger_free_heights]
-    if spec.closure == "spring":
+    if spec.closure == "spring" and spec.spring is not None:
         dofs.append(6 * interior_support_nodes(mesh, CONTACT) + 2)
         stiffness.append(np.full(len(dofs[1]), spec.spring.stiffness))
         damping.append(np.full(len(dofs[1]), spec.spring.damping))

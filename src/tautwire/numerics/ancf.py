@@ -35,7 +35,7 @@ _W_SECOND_T = (_WEIGHTS[:, None] * _SECOND).T
 
 
 class CableSection(NamedTuple):
-    """Unstrained length and stiffness of cable elements, each ``(n,)``: L [m], EA [N], EI [N m2]."""
+    """Unstrained length and stiffness of cable elements, ``(n,)``: L [m], EA [N], EI [N m2]."""
 
     length: Array
     axial_stiffness: Array

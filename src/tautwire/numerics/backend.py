@@ -1,37 +1,216 @@
-"""Which kernels compute: the NumPy reference."""
+"""The choice between the compiled core and the NumPy reference; nothing else loads the core."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.errors import InputError
+from tautwire.numerics import ancf
+from tautwire.numerics.pantograph import PantographStep
 from tautwire.numerics.reference_stepper import ReferenceStepper
-from tautwire.numerics.stepper import PantographInput, StepOptions, Stepper
+from tautwire.numerics.stepper import (
+    PantographInput,
+    StepBlock,
+    StepCounters,
+    StepOptions,
+    Stepper,
+)
 from tautwire.numerics.system import System
+from tautwire.status import Status
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+Choice = Literal["auto", "native", "reference"]
+
+_CHUNK = 200
+_INSTRUCTION_SETS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2", "generic": "2 lanes"}
+_OUTCOMES = (
+    Status.RUNNING,
+    Status.NOT_CONVERGED,
+    Status.SINGULAR,
+    Status.NOT_FINITE,
+    Status.OFF_THE_LINE,
+)
+
+
+class NativeCoreMissingError(RuntimeError):
+    """The compiled core was asked for by name, but this installation has none that runs here."""
+
+
+@cache
+def _load() -> tuple[ModuleType | None, str]:
+    """Return the compiled core, or None and the reason why it cannot be loaded."""
+    try:
+        from tautwire._native import _core
+    except (ImportError, RuntimeError) as error:
+        return None, str(error)
+    return _core, ""
 
 
 def native_available() -> bool:
-    """Tell whether the native kernels are installed."""
-    return False
+    """Say whether the compiled core is installed and runs on this processor."""
+    return _load()[0] is not None
 
 
-def backend_name(choice: str) -> str:
-    """Return the name of the backend that ``choice`` leads to."""
-    if choice == "native":
-        raise InputError("settings.backend: the native kernels are not installed; use 'auto'")
-    return "reference (NumPy)"
+def _native(choice: Choice) -> ModuleType | None:
+    """Return the core that ``choice`` calls for; None stands for the NumPy reference."""
+    if choice == "reference":
+        return None
+    core, reason = _load()
+    if core is None and choice == "native":
+        raise NativeCoreMissingError(
+            f"the compiled core is not available ({reason}); install tautwire with a C++20 "
+            "compiler at hand or from a binary wheel, or choose the backend 'auto' or 'reference'"
+        )
+    return core
+
+
+def backend_name(choice: Choice = "auto") -> str:
+    """Describe the kernels that a choice leads to, for example ``native (AVX-512)``.
+
+    Parameters
+    ----------
+    choice
+        'native', 'reference', or 'auto' for the fastest available.
+
+    Raises
+    ------
+    NativeCoreMissingError
+        'native' was asked for and is not there.
+    """
+    core = _native(choice)
+    if core is None:
+        return "reference (NumPy)"
+    return f"native ({_INSTRUCTION_SETS[core.instruction_set]})"
 
 
 def make_stepper(
     system: System,
     pantographs: Sequence[PantographInput],
     options: StepOptions,
-    observed: NDArray[np.int64],
-    backend: str = "auto",
+    observed: Index,
+    backend: Choice = "auto",
 ) -> Stepper:
-    """Return a time integration with the chosen backend."""
-    backend_name(backend)
-    return ReferenceStepper(system, pantographs, options, observed)
+    """Set up a time integration with the chosen kernels.
+
+    A line whose nodes are not two wires side by side, coupled station by station, is integrated by
+    the general banded solver of the reference; ``counters.notes`` says so.
+
+    Parameters
+    ----------
+    system
+        The line in its static state.
+    pantographs
+        Their chains and ways along the line.
+    options
+        Integrator, step, tolerance.
+    observed
+        Degrees of freedom whose coordinates are recorded at every step.
+    backend
+        'native', 'reference', or 'auto' for the fastest available.
+
+    Raises
+    ------
+    NativeCoreMissingError
+        'native' was asked for and is not there.
+    """
+    core = _native(backend)
+    if core is not None:
+        order = _station_order(system)
+        if order is not None:
+            return NativeStepper(core, _Problem(system, pantographs, options, observed, order))
+    stepper = ReferenceStepper(system, pantographs, options, observed)
+    stepper.counters.notes["kernels"] = "reference (NumPy)"
+    if core is not None:
+        stepper.counters.notes["general_solver"] = (
+            "the line is not two wires side by side coupled station by station"
+        )
+    return stepper
+
+
+def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
+    """Return the elastic nodal forces of wire elements; see :func:`ancf.force`.
+
+    Parameters
+    ----------
+    e : (4, 3, n)
+        r1 [m], r1', r2 [m], r2' of each element.
+    section
+        Lengths and stiffnesses.
+    backend
+        Which kernels to use.
+    """
+    core = _native(backend)
+    if core is None or np.iscomplexobj(e):
+        return ancf.force(e, section)
+    out = np.empty((4, 3, e.shape[-1]))
+    core.cable_force(np.ascontiguousarray(e), *_contiguous(section), out)
+    return out
+
+
+def cable_tangent(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
+    """Return the tangent stiffness of wire elements; see :func:`ancf.tangent`.
+
+    Parameters
+    ----------
+    e : (4, 3, n)
+        r1 [m], r1', r2 [m], r2' of each element.
+    section
+        Lengths and stiffnesses.
+    backend
+        Which kernels to use.
+    """
+    core = _native(backend)
+    if core is None or np.iscomplexobj(e):
+        return ancf.tangent(e, section)
+    out = np.empty((4, 3, 4, 3, e.shape[-1]))
+    core.cable_tangent(np.ascontiguousarray(e), *_contiguous(section), out)
+    return out
+
+
+def _contiguous(section: ancf.CableSection) -> list[Array]:
+    return [np.ascontiguousarray(part, dtype=float) for part in section]
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """What a native time integration is made from."""
+
+    system: System
+    pantographs: Sequence[PantographInput]
+    options: StepOptions
+    observed: Index
+    cable_order: Index
+
+
+def _station_order(system: System) -> Index | None:
+    """Return the wire elements ordered wire by wire and from left to right, ``(2, n - 1)``.
+
+    None when the line is not made of two continuous wires whose nodes stand side by side,
+    ``2*station + wire``, with droppers and arms where the native core expects them.
+    """
+    count = system.node_count // 2
+    left, right = system.cable_nodes.T
+    expected = 2 * np.arange(count - 1) + np.arange(2)[:, None]
+    order = np.argsort(2 * (left // 2) + count * 2 * (left % 2), kind="stable")
+    upper, lower = system.dropper_nodes.T
+    is_two_wires = (
+        system.node_count % 2 == 0
+        and count >= 2
+        and len(left) == expected.size
+        and np.array_equal(left[order], expected.ravel())
+        and np.array_equal(right, left + 2)
+        and np.array_equal(system.contact_nodes, 2 * np.arange(count))
+        and np.array_equal(lower % 2, np.zeros_like(lower))
+        and np.array_equal(upper, lower + 1)
+        and len(np.unique(lower)) == len(lower)
+        and np.array_equal(system.arm_nodes % 2, np.zeros_like(system.arm_nodes))
+        and len(np.unique(system.arm_nodes)) == len(system.arm_nodes)
+    )
+    return order if is_two_wires else None

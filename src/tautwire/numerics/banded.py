@@ -119,14 +119,14 @@ class BandedCholesky:
     @classmethod
     def of(cls, band: Array) -> BandedCholesky | None:
         """Factorise upper banded storage; None when the matrix is not positive definite."""
-        from scipy.linalg.lapack import dpbtrf
+        from scipy.linalg.lapack import dpbtrf  # pyright: ignore[reportAttributeAccessIssue]
 
         factor, info = dpbtrf(np.asfortranarray(band), lower=0)
         return None if info else cls(factor)
 
     def solve(self, rhs: Array) -> Array:
         """Solve for one ``(n,)`` or several ``(n, m)`` right-hand sides."""
-        from scipy.linalg.lapack import dpbtrs
+        from scipy.linalg.lapack import dpbtrs  # pyright: ignore[reportAttributeAccessIssue]
 
         solution, info = dpbtrs(self.factor, rhs, lower=0)
         if info:

@@ -2,112 +2,48 @@
 
 Each step solves ``M a + (1 + alpha) g - alpha g_n = 0`` with ``g = C v + Q - load - contact`` for
 the end acceleration ``a``. The matrix of the static state, with every dropper taut, is factored
-once; it is turned with the wires (:mod:`tautwire.numerics.corotation`). Slack droppers enter
-through the residual. Each pantograph is eliminated exactly: with ``h`` its head compliance over
-the step, the contact acts like a unilateral spring ``k_s/(1 + k_s h)`` between the wire and the
-head's force-free position, and enters the linear solve as a rank-one term.
+once per step size; it is turned with the wires (:mod:`tautwire.numerics.corotation`). Slack
+droppers enter through the residual. Each pantograph is eliminated exactly: with ``h`` its head
+compliance over the step, the contact acts like a unilateral spring ``k_s/(1 + k_s h)`` between the
+wire and the head's force-free position, and enters the linear solve as a rank-one term.
 
 When the increments shrink by less than a factor 0.3 twice in a step, the matrix is factored anew
 at the current state; when that does not help, the step is finished with full Newton.
+
+A step makes a new state and leaves the old one alone, so that a state is its own mark.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.banded import BandedCholesky, Pattern
-from tautwire.numerics.contact import ContactPoint, ContactWirePath
-from tautwire.numerics.corotation import NodeRotation, unit_tangents
+from tautwire.numerics.contact import ContactWirePath
+from tautwire.numerics.effective_matrix import LineMatrices, StepCoefficients, StepFactors
 from tautwire.numerics.pantograph import PantographStep
-from tautwire.numerics.stepper import PantographInput, StepBlock, StepCounters, StepOptions
-from tautwire.numerics.system import (
-    System,
-    TangentParts,
-    dropper_axial_force,
-    internal_force,
-    lumped_mass,
-    mass_parts,
-    tangent_parts,
+from tautwire.numerics.step_solver import (
+    Clock,
+    PantographState,
+    Prediction,
+    State,
+    Step,
+    StepSolver,
+    Touch,
+    Watchdog,
 )
+from tautwire.numerics.stepper import PantographInput, StepBlock, StepCounters, StepOptions
+from tautwire.numerics.system import System, dropper_axial_force, internal_force
 from tautwire.status import Status
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
 
-_SLOW = 0.3
-_SLOW_ALLOWED = 2
-
-
-@dataclass
-class _PantographState:
-    """Where one pantograph is; heights count from the start."""
-
-    z: Array
-    v: Array
-    a: Array
-    force: float = 0.0
-    element: int = 0
-
-
-@dataclass(frozen=True)
-class _Prediction:
-    """What is known of one pantograph in a step before its contact force is."""
-
-    index: int
-    x: float
-    head_free: float
-    z: Array
-    v: Array
-    a_free: Array
-
-
-@dataclass(frozen=True)
-class _Touch:
-    """Contact of one pantograph at an iterate."""
-
-    index: int
-    point: ContactPoint
-    force: float
-
-
-class _Matrices:
-    """Mass, damping and static stiffness of a line, and the entries from which A is summed."""
-
-    def __init__(self, system: System) -> None:
-        self.pattern = Pattern(system)
-        self._system = system
-        self._mass_values = self.pattern.values(mass_parts(system))
-        self._lumped = lumped_mass(system)
-        parts = tangent_parts(system, system.position)
-        rayleigh = TangentParts(
-            parts.cables, 0.0 * parts.droppers, parts.arms, 0.0 * parts.springs
-        )
-        supports = TangentParts(
-            0.0 * parts.cables, 0.0 * parts.droppers, 0.0 * parts.arms, system.spring_damping
-        )
-        a_r, b_r = system.damping_mass, system.damping_stiffness
-        self._damping_values = (
-            a_r * self._mass_values
-            + b_r * self.pattern.values(rayleigh)
-            + self.pattern.values(supports)
-        )
-        self.mass = self.pattern.csr(self._mass_values, self._lumped)
-        self.damping = self.pattern.csr(self._damping_values, a_r * self._lumped)
-        self._lumped_damping = a_r * self._lumped
-
-    def effective_band(self, parts: TangentParts, c: float, k: float) -> Array:
-        """Return ``M + c C + k K`` for a tangent K, droppers damped like ``b_R K``."""
-        b_r = self._system.damping_stiffness
-        scaled = TangentParts(
-            k * parts.cables, (k + c * b_r) * parts.droppers, k * parts.arms, k * parts.springs
-        )
-        values = self._mass_values + c * self._damping_values + self.pattern.values(scaled)
-        return self.pattern.upper_band(values, self._lumped + c * self._lumped_damping)
+_SAME_TIME = 1e-12
+_MOST_CHAINS = 64
 
 
 class ReferenceStepper:
@@ -138,41 +74,27 @@ class ReferenceStepper:
         self._path = ContactWirePath(
             system.contact_nodes, system.cable_length[: len(system.contact_nodes) - 1]
         )
-        self._matrices = _Matrices(system)
-        self._steps = [
-            PantographStep(p.chain, options.integrator, options.time_step) for p in pantographs
-        ]
-        self._states = [
-            _PantographState(*np.zeros((3, p.chain.stage_count))) for p in self._inputs
-        ]
-        self._set_coefficients()
-        self._q = system.position.copy()
-        self._v = np.zeros_like(self._q)
-        self._a = np.zeros_like(self._q)
-        self._g = np.zeros_like(self._q)
-        self._count = 0
-        self._factor_at(self._q)
-
-    def _set_coefficients(self) -> None:
-        dt, integrator = self._options.time_step, self._options.integrator
-        self._weight = 1.0 + integrator.alpha
-        self._to_velocity = integrator.gamma * dt
-        self._to_position = integrator.beta * dt**2
+        self._matrices = LineMatrices(system)
+        self._factors = StepFactors(system, self._matrices, options.integrator, options.time_step)
+        self._chains: dict[float, tuple[PantographStep, ...]] = {}
+        still = np.zeros_like(system.position)
+        at_start = tuple(PantographState.at_rest(p.chain.stage_count) for p in pantographs)
+        self._state = State(Clock(), system.position.copy(), still, still, still, at_start)
 
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return self._count * self._options.time_step
+        return self._state.clock.time
 
     @property
     def coordinates(self) -> Array:
         """Nodal coordinates at the time reached, ``(n_dof,)``."""
-        return self._q
+        return self._state.q
 
     @property
     def velocities(self) -> Array:
         """Nodal velocities at the time reached, ``(n_dof,)``."""
-        return self._v
+        return self._state.v
 
     def start_from(self, q: Array, v: Array) -> None:
         """Replace the state at time zero (plucked wires, wave tests); forces need not balance.
@@ -184,70 +106,108 @@ class ReferenceStepper:
         """
         from scipy.sparse.linalg import spsolve
 
-        self._q, self._v = q.copy(), v.copy()
         system = self._system
         g = self._matrices.damping @ v + internal_force(system, q, v).nodal - system.load
+        g = np.where(system.fixed, 0.0, g)
         free = np.flatnonzero(~system.fixed)
-        self._g = np.where(system.fixed, 0.0, g)
-        self._a = np.zeros_like(q)
+        a = np.zeros_like(q)
         mass = self._matrices.mass.tocsc()[free][:, free]
-        self._a[free] = spsolve(mass, -self._g[free])
+        a[free] = spsolve(mass, -g[free])
+        self._state = replace(self._state, q=q.copy(), v=v.copy(), a=a, g=g)
 
-    def advance(self, steps: int) -> StepBlock:
-        """Take up to ``steps`` steps; fewer when one fails (see the block's status)."""
+    def mark(self) -> State:
+        """Return the present state, to come back to."""
+        return self._state
+
+    def rewind(self, mark: object) -> None:
+        """Go back to a state returned by ``mark``; counters keep counting."""
+        if not isinstance(mark, State):
+            raise TypeError("rewind takes what mark returned")
+        self._state = mark
+
+    def advance(
+        self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
+    ) -> StepBlock:
+        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
+
+        Parameters
+        ----------
+        steps
+            Number of steps.
+        time_step
+            Step [s]; that of the options by default.
+        until_crossing
+            Stop before a step in which the gap of a pantograph changes between negative and
+            not negative; that step is not kept.
+        """
         records: list[_Record] = []
-        status = Status.RUNNING
+        status, refused = Status.RUNNING, None
         for _ in range(steps):
-            status = self._step()
-            if status is not Status.RUNNING:
+            status, state = self._step(time_step or self._options.time_step)
+            if state is None:
                 break
+            if until_crossing and _changes_contact(self._state, state):
+                refused = np.array([p.gap for p in state.pantographs])
+                break
+            self._state = state
+            self.counters.steps += 1
             records.append(self._record())
-        return _block(records, self, status)
+        return self._block(records, status, refused)
 
-    def _factor_at(self, q: Array, taut: NDArray[np.bool_] | None = None) -> bool:
-        """Factor the effective matrix at ``q``; False when it is not positive definite."""
-        parts = tangent_parts(self._system, q, taut=taut)
-        band = self._matrices.effective_band(
-            parts, self._weight * self._to_velocity, self._weight * self._to_position
+    def _begin(self, time_step: float) -> Step:
+        """Predict wires and pantographs at the end of a step."""
+        start, integrator, dt = self._state, self._options.integrator, time_step
+        c = StepCoefficients.of(integrator, dt)
+        clock = start.clock.after(dt)
+        return Step(
+            c,
+            clock,
+            start,
+            start.q + dt * start.v + dt**2 * (0.5 - integrator.beta) * start.a,
+            start.v + dt * (1.0 - integrator.gamma) * start.a,
+            tuple(self._predict(c, start.clock.time, clock.time)),
         )
-        factor = BandedCholesky.of(band)
-        if factor is None:
-            return False
-        self._factor, self._reference = factor, unit_tangents(q)
-        return True
 
-    def _predict(self, time: float) -> list[_Prediction]:
+    def _predict(self, c: StepCoefficients, begin: float, end: float) -> Iterator[Prediction]:
         """Advance the pantographs that are on the line without contact force."""
-        predictions = []
-        for i, (given, step, state) in enumerate(
-            zip(self._inputs, self._steps, self._states, strict=True)
-        ):
-            if time < given.start_time - 1e-12:
+        k = self._options.contact_stiffness
+        chains = self._chains_for(c.time_step)
+        for i, (given, chain) in enumerate(zip(self._inputs, chains, strict=True)):
+            if end < given.start_time - _SAME_TIME:
                 continue
-            before = step.internal(state.z, state.v, given.external(time - self._options.time_step))
-            z, v, known = step.predict(state.z, state.v, state.a, before, state.force)
-            a_free = step.acceleration(z, v, known, given.external(time))
-            head = given.start_height + z[0] + self._to_position * a_free[0]
-            predictions.append(_Prediction(i, given.position(time), float(head), z, v, a_free))
-        return predictions
+            state = self._state.pantographs[i]
+            before = chain.internal(state.z, state.v, given.external(begin))
+            z, v, known = chain.predict(state.z, state.v, state.a, before, state.force)
+            a_free = chain.acceleration(z, v, known, given.external(end))
+            head = float(given.start_height + z[0] + c.to_position * a_free[0])
+            stiffness = k / (1.0 + k * chain.compliance)
+            x, rise = given.position(end), given.unevenness(end)
+            yield Prediction(i, chain, x, rise, head, stiffness, z, v, a_free)
 
-    def _touch(self, q: Array, predictions: list[_Prediction]) -> list[_Touch] | None:
+    def _chains_for(self, time_step: float) -> tuple[PantographStep, ...]:
+        """Return the pantographs' equations for a step; those of some steps are kept."""
+        if time_step not in self._chains:
+            if len(self._chains) == _MOST_CHAINS:
+                self._chains.clear()
+            self._chains[time_step] = tuple(
+                PantographStep(p.chain, self._options.integrator, time_step) for p in self._inputs
+            )
+        return self._chains[time_step]
+
+    def _touch(self, q: Array, step: Step) -> list[Touch] | None:
         """Return the contacts at an iterate; None when a pantograph has left the wire."""
         touches = []
-        for p in predictions:
-            point = self._path.locate(q, p.x, self._states[p.index].element)
+        for p in step.predictions:
+            point = self._path.locate(q, p.x, step.start.pantographs[p.index].element)
             if point is None:
                 return None
-            force = self._stiffness(p.index) * max(0.0, p.head_free - point.height)
-            touches.append(_Touch(p.index, point, force))
+            force = p.stiffness * max(0.0, p.head_free - p.rise - point.height)
+            touches.append(Touch(p, point, force))
         return touches
 
-    def _stiffness(self, index: int) -> float:
-        """Contact stiffness in series with the head's compliance over a step [N/m]."""
-        k = self._options.contact_stiffness
-        return k / (1.0 + k * self._steps[index].compliance)
-
-    def _residual(self, q: Array, v: Array, a: Array, touches: list[_Touch]) -> Array:
+    def _residual(
+        self, step: Step, q: Array, v: Array, a: Array, touches: list[Touch]
+    ) -> Array:
         """Return ``alpha g_n - M a - (1 + alpha) g``, zero at fixed degrees of freedom."""
         system = self._system
         g = self._matrices.damping @ v
@@ -255,115 +215,87 @@ class ReferenceStepper:
         g -= system.load
         for touch in touches:
             g[touch.point.dofs_z] -= touch.force * touch.point.row
-        r = self._options.integrator.alpha * self._g - self._matrices.mass @ a - self._weight * g
+        alpha = self._options.integrator.alpha
+        r = alpha * step.start.g - self._matrices.mass @ a - step.c.weight * g
         r[system.fixed] = 0.0
         return r
 
-    def _step(self) -> Status:
-        dt, integrator = self._options.time_step, self._options.integrator
-        time = (self._count + 1) * dt
-        q_p = self._q + dt * self._v + dt**2 * (0.5 - integrator.beta) * self._a
-        v_p = self._v + dt * (1.0 - integrator.gamma) * self._a
-        predictions = self._predict(time)
-        a = self._a.copy()
-        watch = _Watchdog(self._options.full_newton)
-        rotation = NodeRotation(self._reference, unit_tangents(self._q + dt * self._v))
-        columns: Array | None = None
-        for _ in range(self._options.iterations):
-            q, v = q_p + self._to_position * a, v_p + self._to_velocity * a
-            touches = self._touch(q, predictions)
+    def _step(self, time_step: float) -> tuple[Status, State | None]:
+        """Solve one step; return the state at its end, None when it fails."""
+        step, options = self._begin(time_step), self._options
+        a = step.start.a.copy()
+        watch = Watchdog(full_newton=options.full_newton)
+        solver = StepSolver(self._system, self._factors, step, full_newton=options.full_newton)
+        for _ in range(options.iterations):
+            q, v = step.position(a), step.velocity(a)
+            touches = self._touch(q, step)
             if touches is None:
-                return Status.OFF_THE_LINE
-            r = self._residual(q, v, a, touches)
+                return Status.OFF_THE_LINE, None
+            r = self._residual(step, q, v, a, touches)
             if watch.wants_factor:
-                taut = dropper_axial_force(self._system, q, v) > 0.0
-                if not self._factor_at(q, taut if watch.full_newton else None):
-                    return Status.SINGULAR
-                rotation, columns = NodeRotation(self._reference, self._reference), None
+                solver.renew(q, v, only_taut=watch.full_newton)
                 self.counters.refactorisations += 1
-            if columns is None:
-                columns = self._contact_columns(touches, rotation)
-            da = self._solve(r, touches, columns, rotation)
+            da = solver.solve(r, touches)
+            if da is None:
+                return Status.SINGULAR, None
             a += da
             self.counters.iterations += 1
-            increment = self._to_position * float(np.abs(da[self._system.translations]).max())
+            moved = np.abs(da[self._system.translations]).max()
+            increment = step.c.to_position * float(moved)
             if not np.isfinite(increment):
-                return Status.NOT_FINITE
-            if increment <= self._options.tolerance and watch.count > 0:
-                self._accept(q_p, v_p, a, predictions)
+                return Status.NOT_FINITE, None
+            if increment <= options.tolerance and watch.count > 0:
                 self.counters.full_newton_steps += watch.full_newton
-                return Status.RUNNING
+                return self._end(step, a)
             watch.observe(increment)
-        return Status.NOT_CONVERGED
+        return Status.NOT_CONVERGED, None
 
-    def _contact_columns(self, touches: list[_Touch], rotation: NodeRotation) -> Array:
-        """Return ``A^-1 N`` for every pantograph on the line, ``(n_dof, n_touch)``."""
-        columns = np.zeros((self._system.dof_count, len(touches)))
-        for i, touch in enumerate(touches):
-            columns[touch.point.dofs_z, i] = touch.point.row
-        for i in range(len(touches)):
-            columns[:, i] = self._precondition(columns[:, i], rotation)
-        return columns
-
-    def _precondition(self, r: Array, rotation: NodeRotation) -> Array:
-        x = rotation.forward(self._factor.solve(rotation.backward(r)))
-        x[self._system.fixed] = 0.0
-        return x
-
-    def _solve(
-        self, r: Array, touches: list[_Touch], columns: Array, rotation: NodeRotation
-    ) -> Array:
-        """Solve ``(A + sum kappa N G') da = r`` with the contacts that are closed."""
-        x = self._precondition(r, rotation)
-        closed = [i for i, touch in enumerate(touches) if touch.force > 0.0]
-        if not closed:
-            return x
-        y = np.empty(len(closed))
-        small = np.empty((len(closed), len(closed)))
-        for row, i in enumerate(closed):
-            point = touches[i].point
-            y[row] = _height_rate(point, x)
-            small[row] = [_height_rate(point, columns[:, j]) for j in closed]
-            kappa = self._weight * self._stiffness(touches[i].index) * self._to_position
-            small[row, row] += 1.0 / kappa
-        return x - columns[:, closed] @ np.linalg.solve(small, y)
-
-    def _accept(
-        self, q_p: Array, v_p: Array, a: Array, predictions: list[_Prediction]
-    ) -> None:
-        """Make the converged end of the step the new state."""
-        alpha = self._options.integrator.alpha
-        self._q, self._v = q_p + self._to_position * a, v_p + self._to_velocity * a
+    def _end(self, step: Step, a: Array) -> tuple[Status, State | None]:
+        """Return the state at the end of a converged step."""
+        alpha, start = self._options.integrator.alpha, step.start
+        q, g = step.position(a), start.g
         if alpha:
-            self._g = (alpha * self._g - self._matrices.mass @ a) / self._weight
-        self._a = a
-        self._count += 1
-        self.counters.steps += 1
-        self._touches = self._touch(self._q, predictions) or []
-        self._predictions = predictions
-        for p, touch in zip(predictions, self._touches, strict=True):
-            state, step = self._states[p.index], self._steps[p.index]
-            state.a = p.a_free - self._weight * touch.force * step.head_response
-            state.z = p.z + self._to_position * state.a
-            state.v = p.v + self._to_velocity * state.a
-            state.force, state.element = touch.force, touch.point.element
+            g = (alpha * start.g - self._matrices.mass @ a) / step.c.weight
+        touches = self._touch(q, step)
+        if touches is None:
+            return Status.OFF_THE_LINE, None
+        pantographs = list(start.pantographs)
+        for touch in touches:
+            p = touch.prediction
+            pantographs[p.index] = _moved(self._inputs[p.index], step.c, touch)
+        return Status.RUNNING, State(step.clock, q, step.velocity(a), a, g, tuple(pantographs))
 
     def _record(self) -> _Record:
-        count = len(self._inputs)
-        gap = np.full(count, np.nan)
-        height = np.full(count, np.nan)
-        for touch in self._touches:
-            i = touch.index
-            head = self._inputs[i].start_height + self._states[i].z[0]
-            gap[i], height[i] = touch.point.height - head, touch.point.height
+        state = self._state
+        pantographs = state.pantographs
         return _Record(
             self.time,
-            np.array([s.force for s in self._states]),
-            gap,
-            height,
-            np.concatenate([s.z for s in self._states]) if count else np.empty(0),
-            dropper_axial_force(self._system, self._q, self._v),
-            self._q[self._observed],
+            np.array([p.force for p in pantographs]),
+            np.array([p.gap for p in pantographs]),
+            np.array([p.wire_height for p in pantographs]),
+            np.concatenate([p.z for p in pantographs]) if pantographs else np.empty(0),
+            dropper_axial_force(self._system, state.q, state.v),
+            state.q[self._observed],
+        )
+
+    def _block(self, records: list[_Record], status: Status, refused: Array | None) -> StepBlock:
+        stages = sum(p.chain.stage_count for p in self._inputs)
+        count = len(self._inputs)
+
+        def stack(name: str, width: int) -> Array:
+            rows = [getattr(r, name) for r in records]
+            return np.array(rows) if rows else np.empty((0, width))
+
+        return StepBlock(
+            time=np.array([r.time for r in records]),
+            contact_force=stack("contact_force", count),
+            gap=stack("gap", count),
+            wire_height=stack("wire_height", count),
+            stages=stack("stages", stages),
+            dropper_force=stack("dropper_force", len(self._system.dropper_length)),
+            observed=stack("observed", len(self._observed)),
+            status=status,
+            refused_gap=refused,
         )
 
 
@@ -378,48 +310,19 @@ class _Record:
     observed: Array
 
 
-class _Watchdog:
-    """Watches the contraction of one step's iteration and says when a new factor is needed."""
-
-    def __init__(self, full_newton: bool) -> None:
-        self.full_newton = full_newton
-        self.wants_factor = full_newton
-        self.count = 0
-        self._last = np.inf
-        self._slow = 0
-
-    def observe(self, increment: float) -> None:
-        """Take note of the increment of an iteration."""
-        self.count += 1
-        if self.full_newton:
-            return
-        is_slow = increment > _SLOW * self._last
-        self._slow += is_slow
-        self._last = increment
-        self.wants_factor = is_slow and self._slow == _SLOW_ALLOWED
-        if self._slow > 2 * _SLOW_ALLOWED:
-            self.full_newton = self.wants_factor = True
+def _moved(given: PantographInput, c: StepCoefficients, touch: Touch) -> PantographState:
+    """Return a pantograph at the end of a step whose contact force is known."""
+    p = touch.prediction
+    a = p.a_free - c.weight * touch.force * p.chain.head_response
+    z, v = p.z + c.to_position * a, p.v + c.to_velocity * a
+    gap = touch.surface - (given.start_height + float(z[0]))
+    height, element = touch.point.height, touch.point.element
+    return PantographState(z, v, a, touch.force, gap, height, element)
 
 
-def _height_rate(point: ContactPoint, x: Array) -> float:
-    """Return the gradient of the touched point's height along ``x``."""
-    along = point.row @ x[point.dofs_x]
-    return float(point.row @ x[point.dofs_z] - point.slope * along)
-
-
-def _block(records: list[_Record], stepper: ReferenceStepper, status: Status) -> StepBlock:
-    def stack(name: str, width: int) -> Array:
-        rows = [getattr(r, name) for r in records]
-        return np.array(rows) if rows else np.empty((0, width))
-
-    inputs, system = stepper._inputs, stepper._system
-    return StepBlock(
-        time=np.array([r.time for r in records]),
-        contact_force=stack("contact_force", len(inputs)),
-        gap=stack("gap", len(inputs)),
-        wire_height=stack("wire_height", len(inputs)),
-        stages=stack("stages", sum(p.chain.stage_count for p in inputs)),
-        dropper_force=stack("dropper_force", len(system.dropper_length)),
-        observed=stack("observed", len(stepper._observed)),
-        status=status,
+def _changes_contact(before: State, after: State) -> bool:
+    """Tell whether a contact opens or closes; one that was not yet made does neither."""
+    return any(
+        not np.isnan(old.gap) and (old.gap < 0.0) != (new.gap < 0.0)
+        for old, new in zip(before.pantographs, after.pantographs, strict=True)
     )

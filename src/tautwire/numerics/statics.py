@@ -99,9 +99,10 @@ class StaticSolver:
 
     def _modified_newton(self, extra: Array) -> StaticResponse:
         q = self._system.position.copy()
-        last = np.inf
-        for count in range(1, _MODIFIED_ITERATIONS + 1):
-            r, axial = self._residual(q, extra)
+        last, count = np.inf, 0
+        r, axial = self._residual(q, extra)
+        while count < _MODIFIED_ITERATIONS:
+            count += 1
             slack = np.flatnonzero(self._taut0 & (axial <= 0.0))
             dq = self._base.solve(r)
             if len(slack):
@@ -111,8 +112,8 @@ class StaticSolver:
                 break
             q += dq
             last = size
+            r, axial = self._residual(q, extra)
             if size <= self._increment:
-                _, axial = self._residual(q, extra)
                 return StaticResponse(Status.DONE, q, axial, count)
         return StaticResponse(Status.NOT_CONVERGED, q, axial, count)
 
@@ -125,9 +126,10 @@ class StaticSolver:
 
     def _full_newton(self, extra: Array) -> StaticResponse:
         q = self._system.position.copy()
-        status = Status.NOT_CONVERGED
-        for count in range(1, _FULL_ITERATIONS + 1):
-            r, axial = self._residual(q, extra)
+        count = 0
+        r, axial = self._residual(q, extra)
+        while count < _FULL_ITERATIONS:
+            count += 1
             factor = self._factor(q, axial > 0.0)
             if factor is None:
                 return StaticResponse(Status.SINGULAR, q, axial, count)
@@ -135,7 +137,7 @@ class StaticSolver:
             if not np.isfinite(self._size(dq)):
                 return StaticResponse(Status.NOT_FINITE, q, axial, count)
             q += dq / max(1.0, float(np.abs(dq.reshape(-1, 6)[:, 3:]).max()) / _SLOPE_STEP)
+            r, axial = self._residual(q, extra)
             if self._size(dq) <= self._increment:
-                status = Status.DONE
-                break
-        return StaticResponse(status, q, axial, count)
+                return StaticResponse(Status.DONE, q, axial, count)
+        return StaticResponse(Status.NOT_CONVERGED, q, axial, count)

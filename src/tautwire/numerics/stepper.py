@@ -40,6 +40,38 @@ class RoofMotion:
 
 
 @dataclass(frozen=True, eq=False)
+class SurfaceProfile:
+    """Unevenness of the running surface of the contact wire, linear between even ordinates.
+
+    Attributes
+    ----------
+    start : float m
+        Longitudinal position of the first ordinate.
+    spacing : float m
+    height : (n,) m
+        Height of the running surface above the wire, positive up; none beyond the ends.
+    """
+
+    start: float
+    spacing: float
+    height: Array
+
+    @property
+    def x(self) -> Array:
+        """Longitudinal positions of the ordinates, ``(n,)`` [m]."""
+        return self.start + self.spacing * np.arange(len(self.height))
+
+    def at(self, x: float) -> float:
+        """Return the height at a longitudinal position [m]."""
+        place = (x - self.start) / self.spacing
+        if not 0.0 <= place <= len(self.height) - 1:
+            return 0.0
+        left = min(int(place), len(self.height) - 2)
+        share = place - left
+        return float((1.0 - share) * self.height[left] + share * self.height[left + 1])
+
+
+@dataclass(frozen=True, eq=False)
 class PantographInput:
     """One pantograph on its way along the line.
 
@@ -58,6 +90,8 @@ class PantographInput:
         Reached after ``ramp`` seconds, along half a cosine.
     ramp : float s
     roof : RoofMotion or None
+    surface : SurfaceProfile or None
+        Unevenness of the running surface that the head meets.
     """
 
     chain: PantographChain
@@ -68,10 +102,15 @@ class PantographInput:
     uplift_force: float
     ramp: float
     roof: RoofMotion | None = None
+    surface: SurfaceProfile | None = None
 
     def position(self, time: float) -> float:
         """Longitudinal position [m]."""
         return self.start_x + self.velocity * (time - self.start_time)
+
+    def unevenness(self, time: float) -> float:
+        """Height of the running surface above the wire where the head is [m]."""
+        return 0.0 if self.surface is None else self.surface.at(self.position(time))
 
     def external(self, time: float) -> Array:
         """Return uplift force and roof motion as forces on the stages, ``(n_stage,)`` [N]."""
@@ -121,7 +160,8 @@ class StepBlock:
     time : (n_step,) s
     contact_force : (n_step, n_pantograph) N
     gap : (n_step, n_pantograph) m
-        Wire above head; negative in contact; NaN before the pantograph has entered.
+        Running surface of the wire above head; negative in contact; NaN before the pantograph
+        has entered.
     wire_height : (n_step, n_pantograph) m
     stages : (n_step, n_stage_total) m
         Displacements of the stages from their start, pantograph by pantograph, head first.
@@ -130,6 +170,9 @@ class StepBlock:
         Coordinates of the observed degrees of freedom.
     status : Status
         ``RUNNING`` while everything is well; otherwise the step after the last one failed.
+    refused_gap : (n_pantograph,) m or None
+        Gaps at the end of the step that was tried and not kept because a contact opened or
+        closed in it; None when there was no such step.
     """
 
     time: Array
@@ -140,6 +183,7 @@ class StepBlock:
     dropper_force: Array
     observed: Array
     status: Status
+    refused_gap: Array | None = None
 
 
 @dataclass
@@ -154,7 +198,11 @@ class StepCounters:
 
 
 class Stepper(Protocol):
-    """A time integration under way."""
+    """A time integration under way.
+
+    ``mark`` and ``rewind`` let a step control redo what it has just done with other steps. A mark
+    is the complete state (wires, pantographs, time); it stays valid whatever is computed after it.
+    """
 
     counters: StepCounters
 
@@ -168,6 +216,29 @@ class Stepper(Protocol):
         """Nodal coordinates at the time reached, ``(n_dof,)``."""
         ...
 
-    def advance(self, steps: int) -> StepBlock:
-        """Take up to ``steps`` steps; fewer when one fails (see the block's status)."""
+    def advance(
+        self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
+    ) -> StepBlock:
+        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
+
+        Parameters
+        ----------
+        steps
+            Number of steps.
+        time_step
+            Step [s]; that of the options by default. Any positive step is allowed. Steps of
+            1, 1/2, 1/4 ... of the options' step find their matrix factored in advance after
+            their first use; other steps use the factor of a slightly longer one.
+        until_crossing
+            Stop before a step in which the gap of a pantograph changes between negative
+            (contact) and not negative. That step is not kept; its gaps are returned.
+        """
+        ...
+
+    def mark(self) -> object:
+        """Return the present state, to come back to."""
+        ...
+
+    def rewind(self, mark: object) -> None:
+        """Go back to a state returned by ``mark``; counters keep counting."""
         ...

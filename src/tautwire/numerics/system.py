@@ -165,7 +165,7 @@ def _dropper_axial(system: System, state: BarState, v: Array | None) -> Array:
 
 
 def _taut(axial: Array) -> Array:
-    return np.where(axial.real > 0.0, axial, 0.0)
+    return np.where(np.real(axial) > 0.0, axial, 0.0)
 
 
 def internal_force(

@@ -21,7 +21,7 @@ SAMPLES = 24_000
 """Largest number of samples per history, over all pantographs of a page."""
 MOST_FILMS = 6
 """Largest number of films on a page."""
-POINTS_PER_SPAN = 40
+POINTS_PER_SPAN = 90
 """Largest number of points of a wire per span."""
 
 

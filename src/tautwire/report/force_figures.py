@@ -55,9 +55,7 @@ def _opening(view: RunView) -> list[float]:
     return [start - margin, end + margin]
 
 
-def _add_force_curves(
-    figure: go.Figure, item: Series, limit: int, *, single: bool
-) -> None:
+def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bool) -> None:
     """Add the three curves of one pantograph.
 
     Of several series only the filtered curves show at first; one entry of the legend switches
@@ -88,9 +86,7 @@ def _add_force_curves(
     _add_curve(figure, force.position, force.low, limit, name=name, line=line)
 
 
-def _add_curve(
-    figure: go.Figure, position: Array, force: Array, limit: int, **more: Any
-) -> None:
+def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **more: Any) -> None:
     kept = thinned(force, limit)
     figure.add_scatter(
         x=position[kept].astype(np.float32),

@@ -29,8 +29,8 @@ _NAMES = {
     "mean": "mean force",
     "maximum": "largest force",
     "minimum": "smallest force",
-    "statistical_maximum": "statistical maximum, mean + 3 σ",
-    "statistical_minimum": "statistical minimum, mean − 3 σ",
+    "statistical_maximum": "mean + 3 σ",
+    "statistical_minimum": "mean − 3 σ",
     "uplift": "largest uplift at a support",
     "loss_percent": "contact loss",
 }
@@ -69,7 +69,7 @@ class Claim:
     def name(self) -> str:
         """Quantity as a person reads it."""
         if self.quantity.startswith("std_"):
-            return f"standard deviation, {self.quantity[4:].replace('_', '-')} Hz"
+            return f"σ, {self.quantity[4:].replace('_', '-')} Hz"
         return _NAMES.get(self.quantity, self.quantity)
 
     @property
@@ -87,7 +87,7 @@ class Claim:
         """With which filter the number lies inside, where that matters."""
         if self.verdict != "depends on the filter":
             return ""
-        kinds = " and ".join(kind for kind, is_inside in self.inside.items() if is_inside)
+        kinds = " and ".join(_short(kind) for kind, is_inside in self.inside.items() if is_inside)
         return f"inside with the {kinds} filter; the source does not state its filter"
 
     def as_dict(self) -> dict[str, Any]:
@@ -150,7 +150,8 @@ class Record:
     @property
     def statement(self) -> str:
         """The outcome in a sentence."""
-        parts = [f"{count} {verdict}" for verdict, count in self.counts.items()]
+        words = {"depends on the filter": "depending on the filter", "no value": "without value"}
+        parts = [f"{count} {words.get(verdict, verdict)}" for verdict, count in self.counts.items()]
         text = f"{len(self.claims)} published ranges: {', '.join(parts)}."
         if self.status != "done":
             text += " The study was interrupted; the record is not complete."
@@ -271,9 +272,20 @@ def record_html(record: Record) -> str:
         version=__version__,
         style=style.read_text(encoding="utf-8"),
         shown=found_text,
-        kinds=list(record.filters),
+        published=range_text,
+        kinds={kind: _short(kind) for kind in record.filters},
         provenance=next((dict(r.provenance) for r in record.runs.values()), {}),
     )
+
+
+def range_text(claim: Claim) -> str:
+    """Return the published range as text."""
+    low, high = (f"{value:g}".replace("-", "\N{MINUS SIGN}") for value in (claim.low, claim.high))
+    return f"{low} {claim.unit}" if low == high else f"{low} to {high} {claim.unit}"
+
+
+def _short(kind: str) -> str:
+    return {"butterworth": "Butterworth"}.get(kind, kind)
 
 
 def found_text(claim: Claim, kind: str) -> str:

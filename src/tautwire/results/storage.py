@@ -70,6 +70,15 @@ def save_run(run: Run, path: PathLike, elasticity: Elasticity | None = None) -> 
 def load_run(path: PathLike) -> Run:
     """Read a run written by :func:`save_run`.
 
+    Parameters
+    ----------
+    path : str or path
+        File to read.
+
+    Returns
+    -------
+    Run
+
     Raises
     ------
     InputError
@@ -120,6 +129,16 @@ def save_equilibrium(
 def load_equilibrium(path: PathLike) -> tuple[Case, Equilibrium]:
     """Read case and static state from a file of :func:`save_equilibrium` or :func:`save_run`.
 
+    Parameters
+    ----------
+    path : str or path
+        File to read.
+
+    Returns
+    -------
+    case : Case
+    equilibrium : Equilibrium
+
     Raises
     ------
     InputError
@@ -130,7 +149,17 @@ def load_equilibrium(path: PathLike) -> tuple[Case, Equilibrium]:
 
 
 def load_elasticity(path: PathLike) -> Elasticity | None:
-    """Read the elasticity kept in a result file; None when it holds none.
+    """Read the elasticity kept in a result file.
+
+    Parameters
+    ----------
+    path : str or path
+        File to read.
+
+    Returns
+    -------
+    Elasticity or None
+        None when the file holds none.
 
     Raises
     ------

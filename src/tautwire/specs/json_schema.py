@@ -43,8 +43,6 @@ def _any_of(node: Any) -> Any:
 
 
 def _allow_include(definition: JsonSchema) -> None:
-    if definition.get("type") != "object":
-        return
     definition["properties"]["include"] = {
         "type": "string",
         "description": "Library name or file whose content this mapping completes or replaces.",

@@ -2,7 +2,7 @@
 /* The pantograph under the line: a canvas, no library. Heights are exaggerated by one factor for
    everything that is drawn above the track; the pantograph itself is a symbol, not to scale. */
 (() => {
-  const holder = document.getElementById("animation");
+  const holder = document.getElementById("film");
   if (!holder) return;
 
   const INK = "#16202b", SOFT = "#55616e", FAINT = "#c3cbd3", GRID = "#e3e7eb";
@@ -23,7 +23,7 @@
     if ("dtype" in item) return unpack(item);
     return Object.fromEntries(Object.entries(item).map(([k, v]) => [k, unpackAll(v)]));
   };
-  const films = JSON.parse(document.getElementById("animation-data").textContent).map(unpackAll);
+  const films = JSON.parse(document.getElementById("film-data").textContent).map(unpackAll);
 
   const below = (values, target) => {
     let low = 0, high = values.length - 1;
@@ -177,11 +177,13 @@
     });
   };
   const drawScales = (view) => {
-    const metres = view.end - view.start > 250 ? 50 : 10;
+    const fitting = (sizes, scale, least) => sizes.find((size) => size * scale >= least)
+      || sizes[sizes.length - 1];
+    const metres = fitting([2, 5, 10, 20, 50, 100, 200], view.scale, 55);
     const x = state.width - RIGHT - 14, y = view.bottom - ROOF - 12;
     line([[x - metres * view.scale, y], [x, y]], INK, 2);
     label(`${metres} m`, x - metres * view.scale / 2, y - 6, "center", INK);
-    const millimetres = 0.2 * view.lift > 70 ? 100 : 200;
+    const millimetres = fitting([10, 20, 50, 100, 200, 500, 1000], view.lift / 1000, 26);
     const tall = millimetres / 1000 * view.lift;
     line([[x, y], [x, y - tall]], INK, 2);
     label(`${millimetres} mm`, x - 6, y - tall + 4, "right", INK);

@@ -25,6 +25,7 @@
   );
   charts.forEach((chart) => nearby.observe(chart));
   window.addEventListener("beforeprint", () => {
+    document.querySelectorAll("details").forEach((details) => { details.open = true; });
     charts.forEach(draw);
     charts.forEach((chart) => Plotly.Plots.resize(chart));
   });

@@ -1,0 +1,1 @@
+"""The compiled core; only :mod:`tautwire.numerics.backend` imports it."""

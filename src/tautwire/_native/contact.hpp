@@ -1,0 +1,179 @@
+// Where pantographs touch the contact wire, and their contacts as a low-rank part of the matrix
+// (numerics/contact.py).
+#pragma once
+
+#include "preconditioner.hpp"
+#include "sweeps.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+
+inline constexpr int kMostPantographs = 16;
+
+// The touched point: `row` is the Hermite row of its element on (r1, r1', r2, r2').
+struct Touch {
+    int pantograph, element;
+    double x, row[4], height, stiffness, force;
+};
+
+// Hermite shape functions at xi in [0, 1] of an element, or their derivatives with respect to xi.
+inline void position_row(double s, double length, double (&row)[4]) {
+    row[0] = 1.0 - 3.0 * s * s + 2.0 * s * s * s;
+    row[1] = length * (s - 2.0 * s * s + s * s * s);
+    row[2] = 3.0 * s * s - 2.0 * s * s * s;
+    row[3] = length * (s * s * s - s * s);
+}
+inline void slope_row(double s, double length, double (&row)[4]) {
+    row[0] = -6.0 * s + 6.0 * s * s;
+    row[1] = length * (1.0 - 4.0 * s + 3.0 * s * s);
+    row[2] = 6.0 * s - 6.0 * s * s;
+    row[3] = length * (3.0 * s * s - 2.0 * s);
+}
+
+// Coordinates of the contact wire: q_p + of_velocity v_p + of_acceleration a.
+class WireView {
+public:
+    WireView(const Sweeps& sweeps, double of_velocity, double of_acceleration)
+        : s_(sweeps), of_velocity_(of_velocity), of_acceleration_(of_acceleration) {}
+
+    double at(int station, int wire, int i) const {
+        const int row = s_.line.layout.row(station), lane = s_.line.layout.lane(station);
+        return s_.q_p[row][wire][i][lane] + of_velocity_ * s_.v_p[row][wire][i][lane] +
+               of_acceleration_ * s_.a[row][wire][i][lane];
+    }
+
+    // Find the point at longitudinal position touch.x; false when the wire does not reach there.
+    bool locate(Touch& touch, int hint) const {
+        const double x = touch.x;
+        const int stations = s_.line.layout.stations;
+        if (!(at(0, 0, 0) <= x && x <= at(stations - 1, 0, 0))) return false;
+        int e = hint < 0 ? 0 : hint > stations - 2 ? stations - 2 : hint;
+        while (e > 0 && x < at(e, 0, 0)) --e;
+        while (e < stations - 2 && x >= at(e + 1, 0, 0)) ++e;
+        const double length = s_.line.element[2 * s_.line.layout.row(e)].length[s_.line.layout.lane(e)];
+        const double q_x[4] = {at(e, 0, 0), at(e, 0, 3), at(e + 1, 0, 0), at(e + 1, 0, 3)};
+        const double q_z[4] = {at(e, 0, 2), at(e, 0, 5), at(e + 1, 0, 2), at(e + 1, 0, 5)};
+        position_row(invert(q_x, length, x), length, touch.row);
+        touch.element = e;
+        touch.height = 0.0;
+        for (int i = 0; i < 4; ++i) touch.height += touch.row[i] * q_z[i];
+        return true;
+    }
+
+private:
+    static double invert(const double (&q_x)[4], double length, double x) {
+        constexpr int kSteps = 20;
+        constexpr double kTolerance = 1e-13;
+        double xi = (x - q_x[0]) / (q_x[2] - q_x[0]);
+        for (int n = 0; n < kSteps; ++n) {
+            double row[4], rate[4], value = 0.0, slope = 0.0;
+            position_row(xi, length, row);
+            slope_row(xi, length, rate);
+            for (int i = 0; i < 4; ++i) {
+                value += row[i] * q_x[i];
+                slope += rate[i] * q_x[i];
+            }
+            const double step = (x - value) / slope;
+            xi += step;
+            if (std::fabs(step) < kTolerance) break;
+        }
+        return xi;
+    }
+
+    const Sweeps& s_;
+    double of_velocity_, of_acceleration_;
+};
+
+// The contacts of one step.
+class TouchList {
+public:
+    int count = 0;
+    Touch& operator[](int n) { return touches_[n]; }
+    const Touch& operator[](int n) const { return touches_[n]; }
+
+    void add(int pantograph, double x) {
+        touches_[count].pantograph = pantograph;
+        touches_[count++].x = x;
+    }
+
+    // Add the contact forces to the known forces; release takes them away again, exactly.
+    void push(Sweeps& sweeps, double weight) {
+        for (int n = 0; n < count; ++n)
+            for (int i = 0; i < 4; ++i) {
+                double& force = place(sweeps, n, i);
+                before_[n][i] = force;
+                force += weight * touches_[n].force * touches_[n].row[i];
+            }
+    }
+    void release(Sweeps& sweeps) {
+        for (int n = count - 1; n >= 0; --n)
+            for (int i = 3; i >= 0; --i) place(sweeps, n, i) = before_[n][i];
+    }
+
+private:
+    double& place(Sweeps& sweeps, int n, int i) {
+        const int station = touches_[n].element + i / 2;
+        const Layout& layout = sweeps.line.layout;
+        double* lanes = reinterpret_cast<double*>(&sweeps.known[layout.row(station)][0][i % 2 ? 5 : 2]);
+        return lanes[layout.lane(station)];
+    }
+
+    Touch touches_[kMostPantographs];
+    double before_[kMostPantographs][4];
+};
+
+// Contacts in the linear solve: (A + sum kappa n n') x = r by the Sherman-Morrison-Woodbury formula.
+// The gradient of the touched height is taken as n, the vector of the force; its small x component
+// matters in the residual only.
+template <int B>
+class ContactColumns {
+public:
+    template <class P>
+    void set(const P& matrix, const TouchList& touches) {
+        for (int n = 0; n < touches.count; ++n) {
+            double rhs[2][6] = {};
+            for (int side = 0; side < 2; ++side) {
+                double position[3] = {0.0, 0.0, touches[n].row[2 * side]};
+                double slope[3] = {0.0, 0.0, touches[n].row[2 * side + 1]};
+                matrix.turn_back(touches[n].element + side, 0, position);
+                matrix.turn_back(touches[n].element + side, 0, slope);
+                for (int i = 0; i < 3; ++i) {
+                    rhs[side][i] = position[i];
+                    rhs[side][3 + i] = slope[i];
+                }
+            }
+            matrix.chain().eliminate_point(touches[n].element, 0, rhs, columns_[n]);
+        }
+    }
+
+    // Correct an eliminated right-hand side for the contacts that are closed.
+    template <class P>
+    void correct(P& matrix, const TouchList& touches, double factor) const {
+        int closed[kMostPantographs], count = 0;
+        for (int n = 0; n < touches.count; ++n)
+            if (touches[n].force > 0.0) closed[count++] = n;
+        double small[kMostPantographs][kMostPantographs + 1];
+        for (int i = 0; i < count; ++i) {
+            const auto& column = columns_[closed[i]];
+            for (int j = 0; j < count; ++j) small[i][j] = column.response_to(columns_[closed[j]]);
+            small[i][i] += 1.0 / (factor * touches[closed[i]].stiffness);
+            small[i][count] = matrix.chain().respond(column);
+        }
+        solve(small, count);
+        for (int i = 0; i < count; ++i) matrix.chain().add(columns_[closed[i]], -small[i][count]);
+    }
+
+private:
+    // Gauss-Jordan; the matrix is positive definite. The solution replaces the last column.
+    static void solve(double (&m)[kMostPantographs][kMostPantographs + 1], int count) {
+        for (int k = 0; k < count; ++k) {
+            for (int j = count; j >= k; --j) m[k][j] /= m[k][k];
+            for (int i = 0; i < count; ++i)
+                if (i != k)
+                    for (int j = count; j >= k; --j) m[i][j] -= m[i][k] * m[k][j];
+        }
+    }
+
+    PointColumn<B> columns_[kMostPantographs];
+};
+
+}  // namespace tautwire::TAUTWIRE_ISA

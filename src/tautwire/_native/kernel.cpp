@@ -1,0 +1,78 @@
+// The kernels of one instruction set; compiled once for each, see CMakeLists.txt.
+#include "stepper.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+namespace {
+
+Engine* make_engine(const LineData& line, const Scheme& scheme) {
+    auto* engine = new LineEngine(line, scheme);
+    if (engine->prepare()) return engine;
+    delete engine;
+    return nullptr;
+}
+
+// Element arrays from Python: `e` is (4, 3, n), everything with the element last.
+struct Cables {
+    const double *e, *length, *axial, *bending;
+    std::ptrdiff_t n;
+
+    // Load the elements from `first` on; lanes behind the end repeat the last element.
+    Element load(std::ptrdiff_t first, Doubles (&left)[6], Doubles (&right)[6]) const {
+        Element element = {};
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const std::ptrdiff_t i = first + lane < n ? first + lane : n - 1;
+            for (int k = 0; k < 6; ++k) {
+                left[k][lane] = e[k * n + i];
+                right[k][lane] = e[(6 + k) * n + i];
+            }
+            element.length[lane] = length[i];
+            element.inverse_length[lane] = 1.0 / length[i];
+            element.stiffness.axial[lane] = axial[i];
+            element.stiffness.bending[lane] = bending[i] / (length[i] * length[i]);
+        }
+        return element;
+    }
+
+    int lanes(std::ptrdiff_t first) const { return static_cast<int>(n - first < kLanes ? n - first : kLanes); }
+};
+
+void cable_force(int n, const double* e, const double* length, const double* axial,
+                 const double* bending, double* out) {
+    const Cables cables{e, length, axial, bending, n};
+    for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
+        Doubles left[6] = {}, right[6] = {}, q[12];
+        const Element element = cables.load(first, left, right);
+        const Basis<Doubles> f =
+            elastic_force(basis_of(left, right, element.inverse_length), element.stiffness);
+        for (int i = 0; i < 3; ++i) {
+            q[6 + i] = f.d[i] - 2.0 * f.sum[i];
+            q[i] = -q[6 + i];
+            q[3 + i] = element.length * (f.sum[i] + f.difference[i]);
+            q[9 + i] = element.length * (f.sum[i] - f.difference[i]);
+        }
+        for (int k = 0; k < 12; ++k)
+            for (int lane = 0; lane < cables.lanes(first); ++lane)
+                out[k * cables.n + first + lane] = q[k][lane];
+    }
+}
+
+void cable_tangent(int n, const double* e, const double* length, const double* axial,
+                   const double* bending, double* out) {
+    const Cables cables{e, length, axial, bending, n};
+    for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
+        Doubles left[6] = {}, right[6] = {}, packed_tangent[kPacked], k[12][12];
+        const Element element = cables.load(first, left, right);
+        elastic_tangent(basis_of(left, right, element.inverse_length), element.stiffness, packed_tangent);
+        nodal_tangent(packed_tangent, element, k);
+        for (int i = 0; i < 144; ++i)
+            for (int lane = 0; lane < cables.lanes(first); ++lane)
+                out[i * cables.n + first + lane] = k[i / 12][i % 12][lane];
+    }
+}
+
+}  // namespace
+
+extern const Backend kBackend;
+const Backend kBackend = {TAUTWIRE_NAME, kLanes, make_engine, cable_force, cable_tangent};
+
+}  // namespace tautwire::TAUTWIRE_ISA

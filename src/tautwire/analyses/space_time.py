@@ -1,0 +1,77 @@
+"""Motion of the contact wire over space and time, from stored shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.errors import InputError
+from tautwire.results.run import Run
+
+Array = NDArray[np.float64]
+
+WIRES = ("contact", "messenger")
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceTime:
+    """Vertical velocity of a wire over position and time.
+
+    Attributes
+    ----------
+    time : (n_time,) s
+    x : (n_point,) m
+    velocity : (n_time, n_point) m/s
+        Upwards positive.
+    paths : mapping of str to (n_time,) m
+        Position of each pantograph; NaN before it enters the line.
+    """
+
+    time: Array
+    x: Array
+    velocity: Array
+    paths: dict[str, Array]
+
+
+def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
+    """Differentiate the stored shapes of a wire in time.
+
+    Central differences between the neighbours of each frame, so what is faster than about a third
+    of the frame rate is smoothed.
+
+    Parameters
+    ----------
+    run
+        A run of a case with ``settings.store_shapes: true``.
+    wire : {"contact", "messenger"}
+
+    Returns
+    -------
+    SpaceTime
+
+    Raises
+    ------
+    InputError
+        When the run holds too few shapes, or the wire is unknown.
+    """
+    if wire not in WIRES:
+        raise InputError(f"wire: got {wire!r}; choose one of {', '.join(WIRES)}")
+    shots = run.snapshots
+    if not run.case.settings.store_shapes or len(shots.time) < 3:
+        raise InputError(
+            "the shapes of the wires were not stored; run the case with "
+            "settings.store_shapes: true"
+        )
+    heights = (shots.contact_z if wire == "contact" else shots.messenger_z).astype(np.float64)
+    velocity = np.gradient(heights, shots.time, axis=0)
+    paths = {
+        record.name: np.where(
+            np.interp(shots.time, run.time, record.active) > 0.5,
+            np.interp(shots.time, run.time, record.position),
+            np.nan,
+        )
+        for record in run.pantographs
+    }
+    return SpaceTime(shots.time, shots.x, velocity, paths)

@@ -1,0 +1,183 @@
+"""The matrix of a time step and its factor, kept for the steps that come back.
+
+A step ``dt`` solves with ``A = M + c C + k K``, ``c`` proportional to dt and ``k`` to dt squared.
+Factors are kept for the steps ``g = dt_0 2^(-j/4)``; another step uses the factor of the next
+longer one, which overrates the stiff directions by up to ``s = (dt/g)^2 > 0.7``. Scaled by
+``2/(1 + s)`` its error shrinks by ``(1 - s)/(1 + s) < 0.18`` per iteration.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from math import floor, log2
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.banded import BandedCholesky, Pattern
+from tautwire.numerics.corotation import NodeRotation, unit_tangents
+from tautwire.numerics.newmark import Integrator
+from tautwire.numerics.system import System, TangentParts, lumped_mass, mass_parts, tangent_parts
+
+Array = NDArray[Any]
+
+_STEPS_PER_OCTAVE = 4
+_MOST_FACTORS = 12
+
+
+@dataclass(frozen=True)
+class StepCoefficients:
+    """What multiplies the end acceleration in a step.
+
+    Attributes
+    ----------
+    time_step : float s
+    weight : float
+        ``1 + alpha``.
+    to_velocity : float s
+        ``gamma dt``.
+    to_position : float s2
+        ``beta dt^2``.
+    """
+
+    time_step: float
+    weight: float
+    to_velocity: float
+    to_position: float
+
+    @classmethod
+    def of(cls, integrator: Integrator, time_step: float) -> StepCoefficients:
+        """Return the coefficients of an integrator for a time step [s]."""
+        return cls(
+            time_step,
+            1.0 + integrator.alpha,
+            integrator.gamma * time_step,
+            integrator.beta * time_step**2,
+        )
+
+
+class LineMatrices:
+    """Mass, damping and static stiffness of a line, and the entries from which A is summed."""
+
+    def __init__(self, system: System) -> None:
+        self.pattern = Pattern(system)
+        self._system = system
+        self._mass_values = self.pattern.values(mass_parts(system))
+        self._lumped = lumped_mass(system)
+        parts = tangent_parts(system, system.position)
+        rayleigh = TangentParts(
+            parts.cables, 0.0 * parts.droppers, parts.arms, 0.0 * parts.springs
+        )
+        supports = TangentParts(
+            0.0 * parts.cables, 0.0 * parts.droppers, 0.0 * parts.arms, system.spring_damping
+        )
+        a_r, b_r = system.damping_mass, system.damping_stiffness
+        self._damping_values = (
+            a_r * self._mass_values
+            + b_r * self.pattern.values(rayleigh)
+            + self.pattern.values(supports)
+        )
+        self.mass = self.pattern.csr(self._mass_values, self._lumped)
+        self.damping = self.pattern.csr(self._damping_values, a_r * self._lumped)
+        self._lumped_damping = a_r * self._lumped
+
+    def effective_band(self, parts: TangentParts, c: float, k: float) -> Array:
+        """Return ``M + c C + k K`` for a tangent K, droppers damped like ``b_R K``."""
+        b_r = self._system.damping_stiffness
+        scaled = TangentParts(
+            k * parts.cables, (k + c * b_r) * parts.droppers, k * parts.arms, k * parts.springs
+        )
+        values = self._mass_values + c * self._damping_values + self.pattern.values(scaled)
+        return self.pattern.upper_band(values, self._lumped + c * self._lumped_damping)
+
+
+@dataclass(frozen=True, eq=False)
+class StepFactor:
+    """A factored matrix, the state it belongs to, and what it is multiplied with.
+
+    Attributes
+    ----------
+    cholesky : BandedCholesky
+    tangents : (3, n_node)
+        Unit tangents of the nodes in that state.
+    scale : float
+        Makes up for the factor of a longer step.
+    """
+
+    cholesky: BandedCholesky
+    tangents: Array
+    scale: float = 1.0
+
+    def solve(self, r: Array, rotation: NodeRotation) -> Array:
+        """Return the approximate solution for a residual ``(n_dof,)``, turned with the wires."""
+        x = rotation.forward(self.cholesky.solve(rotation.backward(r)))
+        return x if self.scale == 1.0 else self.scale * x
+
+
+class StepFactors:
+    """Factors of the matrix of a line, by time step; the ones used last are kept.
+
+    Parameters
+    ----------
+    system
+        The line.
+    matrices
+        Its mass, damping and stiffness.
+    integrator
+        Newmark or HHT.
+    base_step
+        The step ``dt_0`` [s].
+    """
+
+    def __init__(
+        self, system: System, matrices: LineMatrices, integrator: Integrator, base_step: float
+    ) -> None:
+        self._system, self._matrices = system, matrices
+        self._integrator, self._base = integrator, base_step
+        self._kept: OrderedDict[int, StepFactor] = OrderedDict()
+
+    def get(self, time_step: float) -> StepFactor | None:
+        """Return a factor for a step, made at the static state when there is none.
+
+        None when the matrix is not positive definite.
+        """
+        number = floor(_STEPS_PER_OCTAVE * log2(self._base / time_step) + 1e-9)
+        at = self._base * 2.0 ** (-number / _STEPS_PER_OCTAVE)
+        if number not in self._kept:
+            made = self.make(self._system.position, at)
+            if made is None:
+                return None
+            self._keep(number, made)
+        self._kept.move_to_end(number)
+        kept, s = self._kept[number], (time_step / at) ** 2
+        if s > 1.0 - 1e-9:
+            return kept
+        return StepFactor(kept.cholesky, kept.tangents, 2.0 / (1.0 + s))
+
+    def renew(self, q: Array, time_step: float) -> StepFactor | None:
+        """Return the exact factor of a step at state ``q``; kept when the step is a kept one."""
+        made = self.make(q, time_step)
+        number = _STEPS_PER_OCTAVE * log2(self._base / time_step)
+        if made is not None and abs(number - round(number)) < 1e-9:
+            self._keep(round(number), made)
+        return made
+
+    def make(
+        self, q: Array, time_step: float, taut: NDArray[np.bool_] | None = None
+    ) -> StepFactor | None:
+        """Factor the matrix of a step at state ``q``, with all droppers or the taut ones only."""
+        c = StepCoefficients.of(self._integrator, time_step)
+        parts = tangent_parts(self._system, q, taut=taut)
+        band = self._matrices.effective_band(
+            parts, c.weight * c.to_velocity, c.weight * c.to_position
+        )
+        factor = BandedCholesky.of(band)
+        return None if factor is None else StepFactor(factor, unit_tangents(q))
+
+    def _keep(self, number: int, factor: StepFactor) -> None:
+        self._kept[number] = factor
+        self._kept.move_to_end(number)
+        if len(self._kept) > _MOST_FACTORS:
+            self._kept.popitem(last=False)

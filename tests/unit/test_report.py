@@ -1,0 +1,367 @@
+"""The report: one page, complete, self-contained, honest about what is missing."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tautwire.errors import InputError
+from tautwire.report.page import without_addresses, write_report
+from tautwire.results.run import Run
+
+from .synthetic import make_case, make_elasticity, make_run
+
+SECTIONS = [
+    *("summary", "line", "force", "spectrum", "uplift", "droppers", "elasticity", "inputs"),
+    "animation",
+]
+LARGEST = 15_000_000
+
+
+class _Page(HTMLParser):
+    """Elements, texts and scripts of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.words: list[str] = []
+        self.data: dict[str, str] = {}
+        self.scripts: list[str] = []
+        self._inside: tuple[str, str] | None = None
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag in ("script", "style"):
+            self._inside = (tag, dict(attrs).get("id") or "")
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in ("script", "style"):
+            self._inside = None
+
+    def handle_data(self, data: str) -> None:
+        if self._inside is None:
+            self.words.append(data)
+        elif self._inside[1]:
+            self.data[self._inside[1]] = self.data.get(self._inside[1], "") + data
+        elif self._inside[0] == "script":
+            self.scripts.append(data)
+
+    @property
+    def text(self) -> str:
+        """Everything a person reads, spaces made even."""
+        return " ".join(" ".join(self.words).split())
+
+    def ids(self, tag: str) -> list[str | None]:
+        """Identifiers of all elements of a kind."""
+        return [attrs.get("id") for name, attrs in self.elements if name == tag]
+
+
+def _page(runs: Run | list[Run], folder: Path, *args: Any, **more: Any) -> _Page:
+    path = write_report(runs, folder / "report.html", *args, **more)
+    return _Page(path.read_text(encoding="utf-8"))
+
+
+def _unpacked(item: dict[str, Any]) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(item["bdata"]), dtype=f"<{item['dtype']}")
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    """A run over 17 spans with two losses of contact."""
+    return make_run(losses=True)
+
+
+@pytest.fixture(scope="module")
+def path(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Its report."""
+    folder = tmp_path_factory.mktemp("report")
+    return write_report(run, folder / "report.html", make_elasticity(run.case))
+
+
+@pytest.fixture(scope="module")
+def page(path: Path) -> _Page:
+    """The report, parsed."""
+    return _Page(path.read_text(encoding="utf-8"))
+
+
+def test_page_is_small(path: Path) -> None:
+    """The report of a 17-span run has less than 15 MB and is a single file."""
+    assert path.stat().st_size < LARGEST
+    assert [item.name for item in path.parent.iterdir()] == ["report.html"]
+
+
+def test_page_needs_no_network(path: Path, page: _Page) -> None:
+    """Nothing on the page refers to another machine, and the browser is told to allow nothing."""
+    links = [
+        value
+        for _, attrs in page.elements
+        for name, value in attrs.items()
+        if name in ("src", "href", "srcset", "data", "action", "poster")
+    ]
+    assert all(link and link.startswith(("#", "data:,")) for link in links)
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"""(src|href)\s*=\s*\\?["'`]?https?://""", text)
+    assert not re.search(r"@import|import\(\s*[\"'`]https?://|fetch\([\"'`]https?:", text)
+    addresses = re.findall(r"""["'`]https?://([^/"'`]+)""", text)
+    assert set(addresses) <= {"www.w3.org"}
+    policies = [a["content"] for _, a in page.elements if "http-equiv" in a]
+    assert policies
+    assert policies[0].startswith("default-src 'none';")
+
+
+def test_chart_library_stands_once(page: _Page) -> None:
+    """plotly.js is on the page exactly once."""
+    assert sum("plotly.js v" in script[:200] for script in page.scripts) == 1
+
+
+def test_all_sections_are_present(page: _Page) -> None:
+    """All nine sections are there, numbered, and reached from the table of contents."""
+    assert page.ids("section") == SECTIONS
+    links = [attrs["href"] for tag, attrs in page.elements if tag == "a"]
+    assert links[1:] == [f"#{name}" for name in SECTIONS]
+
+
+def test_every_figure_has_data_a_caption_and_a_text(page: _Page) -> None:
+    """Every chart finds its data, says what it shows, and has a numbered caption."""
+    charts = [attrs for _, attrs in page.elements if attrs.get("class") == "chart"]
+    assert len(charts) == 10
+    for attrs in charts:
+        content = json.loads(page.data[f"{attrs['id']}-data"])
+        assert content["data"]
+        assert attrs["role"] == "img"
+        assert attrs["aria-label"]
+    numbers = [int(n) for n in re.findall(r"Figure (\d+)\.", page.text)]
+    assert numbers == list(range(1, 12))
+
+
+def test_identifiers_are_unique(page: _Page) -> None:
+    """No identifier stands twice."""
+    ids = [attrs["id"] for _, attrs in page.elements if attrs.get("id")]
+    assert len(ids) == len(set(ids))
+
+
+def test_summary_tells_the_result(page: _Page) -> None:
+    """The first sentence names speed, section, mean, deviation, filter and contact losses."""
+    text = page.text
+    assert "At 320 km/h, over spans 4 to 13, pantograph front presses on the contact wire" in text
+    assert "sharp filter" in text
+    assert "it loses contact 2 times" in text
+
+
+def test_filters_are_named_with_their_numbers(page: _Page) -> None:
+    """Captions of filtered forces give family, order and cut-off."""
+    assert page.text.count("sharp low-pass, cut-off 20 Hz") >= 4
+    assert "Butterworth low-pass, order 6 forward and backward, cut-off 20 Hz" in page.text
+    assert "the same with a cut-off of 200 Hz" in page.text
+
+
+def test_unverified_limits_never_pass(page: _Page) -> None:
+    """A limit that was not compared with its standard is called unverified, never passed."""
+    verdicts = [a["class"] for _, a in page.elements if "verdict" in (a.get("class") or "")]
+    assert len(verdicts) >= 5
+    assert set(verdicts) == {"verdict unverified"}
+    assert "no verdict is given" in page.text
+
+
+def test_inputs_show_source_and_confidence(page: _Page) -> None:
+    """Every input is listed; its source is the one of the smallest group that names it."""
+    text = page.text
+    assert "droppers.presag 0, 0.024, 0.041, 0.052, 0.055, 0.052, 0.041, 0.024, 0 m [2]" in text
+    assert "wires.contact.tension 22000 N [1] choice" in text
+    assert "settings.contact_stiffness 200000 N/m" in text
+    for word in ("contact stiffness", "closure at the supports", "wire ends", "damping"):
+        assert word in text
+
+
+def test_force_curve_is_not_thinned(page: _Page, run: Run) -> None:
+    """Up to 24,000 samples the drawn unfiltered force is the computed one, sample by sample."""
+    raw = json.loads(page.data["chart-force-data"])["data"][0]
+    drawn = _unpacked(raw["y"])
+    assert drawn.size == run.time.size
+    assert np.allclose(drawn, run.pantographs[0].contact_force, atol=1e-4)
+
+
+def test_losses_are_listed(page: _Page) -> None:
+    """Each loss of contact has a row with its place."""
+    assert page.text.count("dropper 3 of span") >= 2
+
+
+def test_animation_has_its_data(page: _Page, run: Run) -> None:
+    """The film holds shapes and motion; the canvas can be reached and has a text."""
+    [film] = json.loads(page.data["film-data"])
+    assert len(film["supports"]) == run.case.line.spans + 1
+    assert [p["name"] for p in film["pantographs"]] == ["front"]
+    moved = np.frombuffer(base64.b64decode(film["frames"]["contact"]["data"]), dtype="u1")
+    count, frames = film["frames"]["count"], run.snapshots.time.size
+    assert moved.size == count * frames
+    [canvas] = [attrs for tag, attrs in page.elements if tag == "canvas"]
+    assert canvas["aria-label"]
+    assert canvas["tabindex"] == "0"
+
+
+def test_animation_keeps_the_shape(page: _Page, run: Run) -> None:
+    """Heights read back from the film equal the stored ones within half a step of 1/255."""
+    [film] = json.loads(page.data["film-data"])
+    packed, frames = film["frames"]["contact"], run.snapshots.contact_z
+    moved = np.frombuffer(base64.b64decode(packed["data"]), dtype="u1").astype(float)
+    still = np.frombuffer(base64.b64decode(film["frames"]["contactStill"]["data"]), dtype="<f4")
+    heights = (packed["low"] + packed["step"] * moved).reshape(frames.shape) + still
+    assert np.abs(heights - frames).max() <= 0.51 * packed["step"] + 1e-6
+    assert packed["step"] < 1e-3
+
+
+@pytest.fixture(scope="module")
+def overlaid(tmp_path_factory: pytest.TempPathFactory) -> _Page:
+    """The report of two runs, one of them with two pantographs."""
+    first = make_run(make_case(spans=8))
+    second = make_case(spans=8, pantographs=2, settings={"contact_stiffness": 5e4})
+    runs = [first, make_run(second, force=150.0)]
+    return _page(runs, tmp_path_factory.mktemp("overlaid"), [make_elasticity(first.case), None])
+
+
+def test_runs_are_overlaid(overlaid: _Page) -> None:
+    """Every run and pantograph has its own curve, label, colour and dash."""
+    data = json.loads(overlaid.data["chart-force-data"])["data"]
+    low = [trace for trace in data if "0–20 Hz" in trace.get("name", "")]
+    assert [trace["name"] for trace in low] == [
+        "200 kN/m, front, 0–20 Hz",
+        "50 kN/m, front, 0–20 Hz",
+        "50 kN/m, rear, 0–20 Hz",
+    ]
+    assert len({trace["line"]["color"] for trace in low}) == 3
+    assert len({trace["line"]["dash"] for trace in low}) == 3
+
+
+def test_runs_stand_side_by_side(overlaid: _Page) -> None:
+    """The statistics have a column per run, pantograph and filter; differences are listed."""
+    assert "200 kN/m, front 50 kN/m, front 50 kN/m, rear" in overlaid.text
+    assert "settings.contact_stiffness 200000 N/m 50000 N/m" in overlaid.text
+
+
+def test_films_can_be_chosen(overlaid: _Page) -> None:
+    """With several runs the animation offers each of them."""
+    films = json.loads(overlaid.data["film-data"])
+    assert [len(film["pantographs"]) for film in films] == [1, 2]
+    assert sum(attrs.get("data-part") == "film" for _, attrs in overlaid.elements) == 1
+
+
+def test_many_runs_stay_small(tmp_path: Path) -> None:
+    """Twelve overlaid runs of 17 spans stay below 15 MB."""
+    base = make_run()
+    runs = [
+        dataclasses.replace(
+            base, case=base.case.with_(**{"settings.contact_stiffness": 1e4 * (n + 1)})
+        )
+        for n in range(12)
+    ]
+    assert write_report(runs, tmp_path / "many.html").stat().st_size < LARGEST
+
+
+def test_names_are_escaped(tmp_path: Path) -> None:
+    """Titles, labels and names that look like HTML stay text, in the page and in its data."""
+    nasty = "</script><script>alert(1)</script><img src=x onerror=alert(1)>"
+    case = make_case(
+        spans=3,
+        title=nasty,
+        description=nasty,
+        sources=[{"path": "wires", "source": nasty, "confidence": "choice"}],
+    )
+    run = dataclasses.replace(make_run(case), warnings=(nasty,))
+    path = write_report([run, run], tmp_path / "report.html", labels=[nasty, "b"], title=nasty)
+    text = path.read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    assert "<img src=x" not in text
+    assert "&lt;/script&gt;" in text
+    assert len(_Page(text).ids("section")) == len(SECTIONS)
+
+
+def test_partial_run_says_so(tmp_path: Path) -> None:
+    """A partial run is reported with its message and with what it did not cover."""
+    run = make_run(make_case(spans=8), status="partial", duration=2.5)
+    text = _page(run, tmp_path).text
+    assert "The run is partial; what was computed up to then is valid." in text
+    assert run.message in text
+    assert "covered only" in text
+
+
+@pytest.mark.parametrize("duration", [0.0, 0.001, 0.03])
+def test_run_without_activity_is_reported(tmp_path: Path, duration: float) -> None:
+    """A run interrupted at once gives a page with all sections and dashes for numbers."""
+    run = make_run(make_case(spans=3), status="partial", duration=duration)
+    page = _page(run, tmp_path)
+    assert page.ids("section") == SECTIONS
+    if duration == 0.0:
+        assert "pantograph front was never in the analysed section" in page.text
+        assert "NaN" not in page.text
+
+
+def test_pantograph_that_never_enters(tmp_path: Path) -> None:
+    """A following pantograph that has not entered yet leaves gaps, not errors."""
+    run = make_run(make_case(spans=8, pantographs=2), status="partial", duration=1.0)
+    page = _page(run, tmp_path)
+    assert "pantograph rear was never in the analysed section" in page.text
+    [film] = json.loads(page.data["film-data"])
+    assert [p["name"] for p in film["pantographs"]] == ["front"]
+
+
+def test_values_that_are_not_finite_are_cut_off(tmp_path: Path) -> None:
+    """A failed run that ends in NaN is reported up to the last finite sample, and says so."""
+    run = make_run(make_case(spans=8), status="failed")
+    record = run.pantographs[0]
+    force = record.contact_force.copy()
+    force[4000:] = np.nan
+    broken = dataclasses.replace(record, contact_force=force)
+    page = _page(dataclasses.replace(run, pantographs=(broken,)), tmp_path)
+    assert "The run failed; its numbers must not be used." in page.text
+    assert "Values are not finite from t = 4.000 s on" in page.text
+    assert re.search(r"mean of \d+\.\d N", page.text)
+    assert not any(re.search(r"\bNaN\b", data) for data in page.data.values())
+
+
+def test_elasticity_may_be_missing(tmp_path: Path) -> None:
+    """Without an elasticity the section says how to get it."""
+    text = _page(make_run(make_case(spans=3)), tmp_path).text
+    assert "The elasticity was not computed with this run" in text
+
+
+def test_published_results_are_compared(tmp_path: Path) -> None:
+    """A reference line stands beside its published results, with their confidence."""
+    case = make_case(name="ac-simple")
+    text = _page(make_run(case), tmp_path, make_elasticity(case)).text
+    assert "Published results" in text
+    assert "World benchmark (2015) AC simple" in text
+    assert "support 0.2060 mm/N 0.2060 mm/N +0.0 %" in text
+
+
+def test_nothing_to_report_is_refused(tmp_path: Path) -> None:
+    """No run, too many elasticities and missing labels are refused, and nothing is written."""
+    run = make_run(make_case(spans=2), duration=0.05)
+    data = make_elasticity(run.case)
+    with pytest.raises(InputError, match="at least one run"):
+        write_report([], tmp_path / "a.html")
+    with pytest.raises(InputError, match="2 elasticities"):
+        write_report(run, tmp_path / "a.html", [data, data])
+    with pytest.raises(InputError, match="1 labels were given for 2 runs"):
+        write_report([run, run], tmp_path / "a.html", labels=["one"])
+    with pytest.raises(InputError, match="does not exist"):
+        write_report(run, tmp_path / "nowhere" / "a.html")
+    assert not list(tmp_path.iterdir())
+
+
+def test_addresses_are_emptied() -> None:
+    """Addresses in strings of a script go; XML names and comments stay; scripts cannot end it."""
+    script = (
+        'a="https://maps.example/x";b="http://www.w3.org/2000/svg";// https://licence\n"</script>"'
+    )
+    assert without_addresses(script) == (
+        'a="offline:maps.example/x";b="http://www.w3.org/2000/svg";// https://licence\n"<\\/script>"'
+    )

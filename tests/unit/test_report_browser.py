@@ -1,0 +1,64 @@
+"""The report in a browser, where one is installed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tautwire.report.page import write_report
+
+from .synthetic import make_case, make_elasticity, make_run
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+OPTIONS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--no-first-run"),
+    *("--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000", "--window-size=1300,2000"),
+)
+USE = """
+<script>
+const part = (name) => document.querySelector(`[data-part="${name}"]`);
+const change = (name, value) => {
+  part(name).value = value;
+  part(name).dispatchEvent(new Event("input"));
+};
+part("play").click();
+setTimeout(() => {
+  part("play").click();
+  change("length", "300"); change("exaggeration", "40");
+  change("film", "1"); change("scrub", "600");
+  document.querySelectorAll("button[data-range]").forEach((button) => button.click());
+  window.dispatchEvent(new Event("beforeprint"));
+  const charts = [...document.querySelectorAll(".chart")];
+  console.log(`drawn ${charts.filter((c) => c.querySelector(".main-svg")).length}`);
+  console.log(`requests ${performance.getEntriesByType("resource").length}`);
+  console.log(`readout ${part("readout").textContent}`);
+}, 3000);
+</script>
+"""
+
+
+@pytest.mark.slow
+def test_page_works_in_a_browser(tmp_path: Path) -> None:
+    """All figures are drawn, all controls work, nothing is requested, the console stays silent."""
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        pytest.skip("no browser is installed")
+    first, second = make_case(spans=8), make_case(spans=8, pantographs=2)
+    runs = [make_run(first, losses=True), make_run(second)]
+    page = write_report(runs, tmp_path / "report.html", make_elasticity(first))
+    page.write_text(page.read_text(encoding="utf-8") + USE, encoding="utf-8")
+    command = [browser, *OPTIONS, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom"]
+    done = subprocess.run(
+        [*command, page.as_uri()], capture_output=True, text=True, timeout=180, check=False
+    )
+    console = re.findall(r'CONSOLE[:(]\d+[^"]*"(.*)", source:', done.stderr)
+    messages = dict(line.split(" ", 1) for line in console)
+    assert set(messages) == {"drawn", "requests", "readout"}, console
+    assert messages["drawn"] == "10"
+    assert messages["requests"] == "0"
+    assert "front: span" in messages["readout"]

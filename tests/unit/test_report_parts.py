@@ -1,0 +1,223 @@
+"""Parts of the report: thinning, packing, words, inputs, labels, spreadsheets."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import dataclasses
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tautwire.errors import InputError
+from tautwire.report import packing, words
+from tautwire.report.conditions import input_values, source_of
+from tautwire.report.force_figures import passings
+from tautwire.report.tables import (
+    dropper_table_csv,
+    force_history_csv,
+    write_dropper_table,
+    write_force_history,
+)
+from tautwire.report.views import labels_of, prepare
+
+from .synthetic import make_case, make_equilibrium, make_run
+
+
+def test_thinning_keeps_every_extreme() -> None:
+    """Of a long record the ends and the largest and smallest value of every piece are drawn."""
+    values = np.random.default_rng(0).normal(size=100_000)
+    values[54_321], values[12_345] = 40.0, -40.0
+    kept = packing.thinned(values, 2_002)
+    assert kept.size <= 2_002
+    assert np.all(np.diff(kept) > 0)
+    assert {0, 12_345, 54_321, 99_999} <= set(kept.tolist())
+    pieces = np.array_split(values, 1_000)
+    drawn = np.array_split(np.where(np.isin(np.arange(values.size), kept), values, np.nan), 1_000)
+    assert all(np.nanmax(d) == p.max() for p, d in zip(pieces, drawn, strict=True))
+
+
+def test_short_records_are_not_thinned() -> None:
+    """A record within the limit is drawn sample by sample."""
+    assert np.array_equal(packing.thinned(np.ones(50), 50), np.arange(50))
+
+
+def test_thinning_survives_values_that_are_not_finite() -> None:
+    """NaN in a long record neither fails nor hides an extreme."""
+    values = np.zeros(10_000)
+    values[5_000:5_100] = np.nan
+    values[7_000] = 3.0
+    assert 7_000 in packing.thinned(values, 200)
+
+
+def test_packed_steps_are_exact_to_half_a_step() -> None:
+    """Values packed as 255 steps read back within half a step; NaN becomes the smallest."""
+    values = np.linspace(-0.02, 0.12, 999).reshape(3, 333)
+    values[1, 1] = np.nan
+    packed = packing.steps(values)
+    back = packed["low"] + packed["step"] * np.frombuffer(base64.b64decode(packed["data"]), "u1")
+    expected = np.where(np.isnan(values), -0.02, values).ravel()
+    assert np.abs(back - expected).max() <= 0.5001 * packed["step"]
+
+
+def test_packed_constants_stay() -> None:
+    """A constant and an empty record can be packed."""
+    assert packing.steps(np.full(4, 5.3))["low"] == pytest.approx(5.3)
+    assert packing.steps(np.empty(0))["data"] == ""
+
+
+@pytest.mark.parametrize(
+    ("got", "text"),
+    [
+        (words.number(-0.04), "0.0"),
+        (words.number(-12.34), "\N{MINUS SIGN}12.3"),
+        (words.number(float("nan")), "–"),
+        (words.number(None), "–"),
+        (words.readable(0.0654, "m"), "65.4\N{NO-BREAK SPACE}mm"),
+        (words.readable(2.06e-4, "m/N"), "0.2060\N{NO-BREAK SPACE}mm/N"),
+        (words.readable(None, "N"), "–"),
+        (words.speed(320 / 3.6), "320\N{NO-BREAK SPACE}km/h"),
+        (words.band("5_20"), "5–20\N{NO-BREAK SPACE}Hz"),
+        (words.listing(["a", "b", "c"]), "a, b and c"),
+        (words.counted(1, "time"), "1 time"),
+        (words.counted(2, "time"), "2 times"),
+    ],
+)
+def test_numbers_read_well(got: str, text: str) -> None:
+    """Numbers carry unit and minus sign, and a dash where there is none."""
+    assert got == text
+
+
+def test_every_input_is_listed_with_its_unit() -> None:
+    """No value of a case is left out, and quantities carry their SI unit."""
+    case = make_case(spans=3, pantographs=2)
+    values = dict(input_values(case))
+    assert values["wires.contact.tension"] == "22000 N"
+    assert values["pantographs[2].behind"] == "100 m"
+    assert values["pantographs[1].stages[3].damping"] == "70 N s/m"
+    assert values["scenario.speed"] == "88.88889 m/s"
+    assert values["line.ends.left"] == "anchored"
+    assert values["settings.section"] == "not given"
+
+    def leaves(part: Any) -> int:
+        if isinstance(part, dict):
+            return sum(leaves(item) for item in part.values())
+        if isinstance(part, list) and part and isinstance(part[0], dict):
+            return sum(leaves(item) for item in part)
+        return 1
+
+    parts = case.to_dict()
+    groups = ("line", "wires", "supports", "droppers", "pantographs", "scenario", "settings")
+    assert len(values) == sum(leaves(parts[name]) for name in groups)
+
+
+def test_long_lists_are_shortened() -> None:
+    """Per-support values beyond twelve are counted, not listed."""
+    heights = [5.3] * 18
+    supports = make_case().supports.to_dict() | {"contact_height": heights}
+    shown = dict(input_values(make_case(supports=supports)))["supports.contact_height"]
+    assert shown.endswith("… 6 more values m")
+
+
+@pytest.mark.parametrize(
+    ("path", "index"),
+    [
+        ("wires.contact.tension", 1),
+        ("wires.contact.mass", 0),
+        ("wiresx", None),
+        ("pantographs[2].stages[1].mass", 2),
+        ("pantographs[1].stages[1].mass", 3),
+        ("droppers.mass", None),
+    ],
+)
+def test_smallest_group_gives_the_source(path: str, index: int | None) -> None:
+    """A value takes the source of the smallest group that names it; an item beats its list."""
+    sources = ["wires", "wires.contact.tension", "pantographs", "pantographs[1].stages"]
+    assert source_of(path, sources) == index
+
+
+def test_labels_tell_runs_apart() -> None:
+    """Runs are named by what differs; equal ones by number; given labels are taken."""
+    first = make_run(make_case(spans=2), duration=0.01)
+    case = first.case.with_(**{"scenario.speed": 250 / 3.6})
+    slow = dataclasses.replace(first, case=case)
+    other = dataclasses.replace(first, case=first.case.with_(name="other"))
+    assert labels_of([first]) == ["synthetic"]
+    assert labels_of([first, slow]) == ["320 km/h", "250 km/h"]
+    assert labels_of([first, other]) == ["synthetic", "other"]
+    assert labels_of([first, first]) == ["synthetic (1)", "synthetic (2)"]
+    assert labels_of([first, slow], ["a", "b"]) == ["a", "b"]
+
+
+def test_passing_frequencies_are_those_of_the_line() -> None:
+    """Spans of 55 m are passed at 1.616 Hz, droppers of 5.75 m at 15.46 Hz at 320 km/h."""
+    lines = {(p.name, p.order): p.frequency for p in passings(prepare(make_run(), "x"))}
+    assert lines["span", 1] == pytest.approx(1.616, abs=1e-3)
+    assert lines["droppers", 1] == pytest.approx(15.46, abs=1e-2)
+    assert lines["droppers", 2] == pytest.approx(30.92, abs=1e-2)
+    assert lines["support to dropper", 1] == pytest.approx(19.75, abs=1e-2)
+
+
+def _rows(text: str) -> list[list[str]]:
+    return list(csv.reader(io.StringIO(text)))
+
+
+def test_dropper_table_has_units_and_all_droppers() -> None:
+    """The dropper table has one row per dropper and units in its head."""
+    shape = make_equilibrium(make_case(spans=3))
+    head, *rows = _rows(dropper_table_csv(shape))
+    assert head[:4] == ["span", "dropper", "position [m]", "unstrained length [m]"]
+    assert "force [N]" in head
+    assert len(rows) == 27
+    assert rows[9][:2] == ["2", "1"]
+    assert float(rows[9][3]) == pytest.approx(shape.dropper_lengths_unstrained[9], abs=1e-6)
+
+
+def test_force_history_names_its_filters() -> None:
+    """The force history has the unfiltered force and both low-passes, named with cut-off."""
+    run = make_run(make_case(spans=3))
+    head, *rows = _rows(force_history_csv(run))
+    assert head == [
+        "time [s]",
+        "position [m]",
+        "force [N]",
+        "force, sharp low-pass 20 Hz [N]",
+        "force, sharp low-pass 200 Hz [N]",
+    ]
+    assert len(rows) == run.time.size
+    assert float(rows[500][2]) == pytest.approx(run.pantographs[0].contact_force[500], abs=1e-4)
+
+
+def test_force_history_of_a_pantograph_that_never_entered() -> None:
+    """A pantograph without a record gives the head alone; an unknown one is refused."""
+    run = make_run(make_case(spans=3), entering=False)
+    assert force_history_csv(run) == "time [s],position [m],force [N]\n"
+    with pytest.raises(InputError, match="no pantograph named"):
+        force_history_csv(run, "middle")
+
+
+def test_tables_are_written_whole(tmp_path: Path) -> None:
+    """Tables are written under their names and nothing else is left."""
+    run = make_run(make_case(spans=2), duration=0.1)
+    write_dropper_table(run.equilibrium, tmp_path / "droppers.csv")
+    write_force_history(run, tmp_path / "force.csv", "front")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["droppers.csv", "force.csv"]
+    with pytest.raises(InputError, match="does not exist"):
+        write_dropper_table(run.equilibrium, tmp_path / "nowhere" / "droppers.csv")
+
+
+def test_importing_the_page_is_light() -> None:
+    """Importing the report loads neither plotly nor jinja2 nor scipy."""
+    import subprocess
+    import sys
+
+    code = (
+        "import sys, tautwire.report.page; print({'plotly', 'jinja2', 'scipy'} & set(sys.modules))"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.strip() == "set()"
