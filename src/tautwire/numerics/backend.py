@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
 from typing import Any, Literal
@@ -12,31 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics import ancf
-from tautwire.numerics.pantograph import PantographStep
+from tautwire.numerics.native_stepper import NativeStepper, cable_order
 from tautwire.numerics.reference_stepper import ReferenceStepper
-from tautwire.numerics.stepper import (
-    PantographInput,
-    StepBlock,
-    StepCounters,
-    StepOptions,
-    Stepper,
-)
+from tautwire.numerics.stepper import PantographInput, StepOptions, Stepper
 from tautwire.numerics.system import System
-from tautwire.status import Status
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
 Choice = Literal["auto", "native", "reference"]
 
-_CHUNK = 200
 _INSTRUCTION_SETS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2", "generic": "2 lanes"}
-_OUTCOMES = (
-    Status.RUNNING,
-    Status.NOT_CONVERGED,
-    Status.SINGULAR,
-    Status.NOT_FINITE,
-    Status.OFF_THE_LINE,
-)
 
 
 class NativeCoreMissingError(RuntimeError):
@@ -122,9 +106,8 @@ def make_stepper(
     """
     core = _native(backend)
     if core is not None:
-        order = _station_order(system)
-        if order is not None:
-            return NativeStepper(core, _Problem(system, pantographs, options, observed, order))
+        if cable_order(system) is not None:
+            return NativeStepper(core, system, pantographs, options, observed)
     stepper = ReferenceStepper(system, pantographs, options, observed)
     stepper.counters.notes["kernels"] = "reference (NumPy)"
     if core is not None:
@@ -176,41 +159,3 @@ def cable_tangent(e: Array, section: ancf.CableSection, backend: Choice = "auto"
 
 def _contiguous(section: ancf.CableSection) -> list[Array]:
     return [np.ascontiguousarray(part, dtype=float) for part in section]
-
-
-@dataclass(frozen=True, eq=False)
-class _Problem:
-    """What a native time integration is made from."""
-
-    system: System
-    pantographs: Sequence[PantographInput]
-    options: StepOptions
-    observed: Index
-    cable_order: Index
-
-
-def _station_order(system: System) -> Index | None:
-    """Return the wire elements ordered wire by wire and from left to right, ``(2, n - 1)``.
-
-    None when the line is not made of two continuous wires whose nodes stand side by side,
-    ``2*station + wire``, with droppers and arms where the native core expects them.
-    """
-    count = system.node_count // 2
-    left, right = system.cable_nodes.T
-    expected = 2 * np.arange(count - 1) + np.arange(2)[:, None]
-    order = np.argsort(2 * (left // 2) + count * 2 * (left % 2), kind="stable")
-    upper, lower = system.dropper_nodes.T
-    is_two_wires = (
-        system.node_count % 2 == 0
-        and count >= 2
-        and len(left) == expected.size
-        and np.array_equal(left[order], expected.ravel())
-        and np.array_equal(right, left + 2)
-        and np.array_equal(system.contact_nodes, 2 * np.arange(count))
-        and np.array_equal(lower % 2, np.zeros_like(lower))
-        and np.array_equal(upper, lower + 1)
-        and len(np.unique(lower)) == len(lower)
-        and np.array_equal(system.arm_nodes % 2, np.zeros_like(system.arm_nodes))
-        and len(np.unique(system.arm_nodes)) == len(system.arm_nodes)
-    )
-    return order if is_two_wires else None

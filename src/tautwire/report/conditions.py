@@ -216,7 +216,7 @@ def _cost_table(views: Sequence[RunView]) -> Table:
         "simulated_s": ("simulated time", "s", 2),
         "cpu_s": ("CPU time", "s", 1),
         "wall_s": ("elapsed time", "s", 1),
-        "real_time_factor": ("elapsed per simulated time", "", 1),
+        "real_time_factor": ("CPU time per simulated time", "", 2),
         "tuning_passes": ("passes to tune the mean force", "", 0),
     }
     rows = []
