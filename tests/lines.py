@@ -19,7 +19,7 @@ from tautwire.numerics.newmark import Integrator, Newmark
 from tautwire.numerics.pantograph import PantographChain
 from tautwire.numerics.reference_stepper import ReferenceStepper
 from tautwire.numerics.stepper import PantographInput, StepOptions
-from tautwire.numerics.system import System, internal_force, lumped_mass, mass_parts
+from tautwire.numerics.system import System, internal_force, lumped_mass
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 
@@ -33,9 +33,7 @@ CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 def stretch_under(tension: float, axial_stiffness: float) -> float:
     """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
     return float(
-        brentq(
-            lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16
-        )
+        brentq(lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16)
     )
 
 
@@ -107,9 +105,7 @@ def oscillator(mass: float, stiffness: float, damping: float = 0.0) -> System:
     )
 
 
-def straight_wire(
-    length: float, elements: int, *, weighted: bool = False, **wire: float
-) -> System:
+def straight_wire(length: float, elements: int, *, weighted: bool = False, **wire: float) -> System:
     """Return a straight weightless wire along x under tension, pinned at both ends.
 
     Parameters
@@ -126,9 +122,7 @@ def straight_wire(
     data = {**CONTACT_WIRE, **wire}
     stretch = stretch_under(data["tension"], data["axial"])
     lengths = np.full(elements, length / elements / stretch)
-    system = wire_elements(
-        lengths, axial=data["axial"], bending=data["bending"], mass=data["mass"]
-    )
+    system = wire_elements(lengths, axial=data["axial"], bending=data["bending"], mass=data["mass"])
     position = system.position.reshape(-1, 6) * stretch
     fixed = np.zeros((elements + 1, 6), dtype=bool)
     fixed[[0, -1], :3] = True
@@ -154,11 +148,6 @@ def hang(system: System, gravity: float) -> Form:
         taut=np.empty(0, dtype=bool),
     )
     return find_form(problem)
-
-
-def mass_of(system: System) -> tuple[Array, Array]:
-    """Return consistent element masses ``(4, 3, 4, 3, n)`` and lumped masses ``(n_dof,)``."""
-    return mass_parts(system).cables, lumped_mass(system)
 
 
 def kinetic_energy(system: System, v: Array) -> float:
@@ -267,18 +256,23 @@ def found(case: Case) -> tuple[Model, Equilibrium, System]:
     return model, shape, equations(model, shape)
 
 
+def entering(case: Case) -> tuple[System, tuple[PantographInput, ...]]:
+    """Return the line of a case at rest and its pantographs as they enter."""
+    model, shape, system = found(case)
+    return system, plan_passage(model, shape, case.uplift_forces()).pantographs
+
+
 def passage(
     case: Case, *, integrator: Integrator | None = None, **options: Any
 ) -> ReferenceStepper:
-    """Return the time integration of a case's passage; supports are observed."""
+    """Return the time integration of a case's passage; the supports' heights are observed."""
     model, shape, system = found(case)
-    plan = plan_passage(model, shape, case.uplift_forces())
     settings = case.settings
     return stepper(
         system,
         settings.time_step,
         integrator=integrator,
-        pantographs=plan.pantographs,
+        pantographs=plan_passage(model, shape, case.uplift_forces()).pantographs,
         observed=12 * model.mesh.support_station + 2,
         contact_stiffness=settings.contact_stiffness,
         **{"tolerance": settings.tolerance, **options},

@@ -134,7 +134,7 @@ LINES = [
         ("steady arm at support 2, x = 55.00 m, would have to push", "on the other side")),
     Bad("trailing pantograph", ("run", "ac-simple-two-pantographs", "--set", "line.spans=5",
                                 "--out", "out"),
-        ("the line is too short", "add spans (line.spans)")),
+        ("line too short", "pantograph 'rear', 200 m behind", "add spans (line.spans)")),
 ]  # fmt: skip
 RESULTS = [
     Bad("no such result", ("report", "nothing.nc"), ("nothing.nc: does not exist", "(.nc)")),

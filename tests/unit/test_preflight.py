@@ -88,6 +88,13 @@ def test_trailing_pantograph() -> None:
     )
 
 
+def test_memory() -> None:
+    """Histories of more than 1 GB are announced: 17 spans at 0.1 km/h have 34 million steps."""
+    text = str(_advice(scenario__speed="0.1 km/h")["warning", "memory"])
+    assert "3.4e+07 steps" in text
+    assert "GB of memory" in text
+
+
 def test_as_dict() -> None:
     """Advice is plain data for JSON."""
     (item,) = preflight(load_case("ac-simple"))

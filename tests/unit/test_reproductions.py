@@ -51,6 +51,7 @@ def test_explanation() -> None:
     """The filter that meets the range is named."""
     claim = _claim({"sharp": 40.0, "butterworth": 55.0}, {"sharp": False, "butterworth": True})
     assert claim.explanation.startswith("inside with the Butterworth filter")
+    assert replace(claim, remark="over spans 4 to 10: 51.0 N").explanation.endswith("51.0 N")
 
 
 def test_every_published_range_is_judged(record: Record) -> None:

@@ -147,7 +147,7 @@ def green_stretch(axial: float) -> Callable[[float], float]:
 
 
 def hanging(elements: int, tension: float, axial: float) -> tuple[float, float, float, float]:
-    """Return sag, unstrained length, tension at the support, vertical reaction of a hanging wire."""
+    """Return sag, unstrained length, support tension and vertical reaction of a hanging wire."""
     wire = straight_wire(SPAN, elements, tension=tension, axial=axial, bending=1e-9, mass=MASS)
     form = hang(wire, GRAVITY)
     assert form.newton.status is Status.DONE

@@ -14,7 +14,7 @@ from tautwire.numerics.pantograph import PantographChain
 from tautwire.numerics.stepper import PantographInput, RoofMotion, StepBlock
 from tautwire.numerics.system import System
 
-from ..lines import ac_simple, found, moved, one_stage, passage, stepper, straight_wire
+from ..lines import ac_simple, entering, moved, one_stage, passage, stepper, straight_wire
 
 Array = NDArray[np.float64]
 
@@ -48,9 +48,7 @@ class Bounce:
     def computed(self, dt: float, duration: float) -> StepBlock:
         """Return the time integration."""
         given = PantographInput(one_stage(self.mass), 0.0, 5.0, -self.gap, 0.0, self.force, 0.0)
-        run = stepper(
-            rigid_wire(), dt, pantographs=(given,), contact_stiffness=self.stiffness
-        )
+        run = stepper(rigid_wire(), dt, pantographs=(given,), contact_stiffness=self.stiffness)
         return run.advance(round(duration / dt))
 
 
@@ -62,16 +60,17 @@ def crossings(block: StepBlock) -> Array:
 
 
 def test_bouncing_mass(record_validation: Callable[..., bool]) -> None:
-    """A mass bouncing against a stiff stop: first impact, durations of contact and flight within
-    0.2 %, peak force within 0.2 %, rebound height within 0.1 % after four impacts."""
-    exact, dt = Bounce(), 2.5e-4
-    block = exact.computed(dt, 0.56)
+    """A mass bouncing against a stiff stop: contacts and their peak force within 0.02 %, flights
+    within 0.05 %, rebounds within 0.1 % after three impacts; the first impact comes half a step
+    late, because a pantograph starts without acceleration."""
+    exact, dt = Bounce(), 4e-4
+    block = exact.computed(dt, 0.46)
     times = crossings(block)
     durations = np.diff(times)
     peaks = [block.gap[:, 0][(block.time > a) & (block.time < b)].max()
              for a, b in zip(times[1:-1:2], times[2::2], strict=True)]  # fmt: skip
-    assert times[0] == pytest.approx(exact.impact, rel=2e-3)
-    assert durations[1::2] == pytest.approx(exact.flight, rel=2e-3)
+    assert times[0] == pytest.approx(exact.impact + 0.5 * dt, abs=0.1 * dt)
+    assert durations[1::2] == pytest.approx(exact.flight, rel=5e-4)
     assert len(peaks) >= 3
     assert peaks == pytest.approx([exact.gap] * len(peaks), rel=1e-3)
     for name, unit, ours, target in (
@@ -84,7 +83,7 @@ def test_bouncing_mass(record_validation: Callable[..., bool]) -> None:
             ours=float(ours),
             unit=unit,
             target=target,
-            relative=2e-3,
+            relative=2e-4,
             source="free flight and half an oscillation, joined",
         )
 
@@ -100,8 +99,8 @@ def test_force_is_stiffness_times_penetration() -> None:
 
 @pytest.mark.parametrize("integrator", [Newmark(), HHT(-0.1)], ids=["newmark", "hht"])
 def test_roof_motion_moves_the_force(integrator: Integrator) -> None:
-    """Under a wire that cannot move, a roof raised by h adds base stiffness times h to the contact
-    force once the pantograph has come to rest: 160 N/m times 50 mm are 8 N."""
+    """Under a wire that cannot move, a roof raised by h adds the stiffness of base, frame, head and
+    contact in series times h to the contact force once the pantograph has come to rest."""
     chain = PantographChain(
         np.array([7.5, 9.0, 6.0]),
         np.array([7000.0, 15500.0, 160.0]),
@@ -113,10 +112,10 @@ def test_roof_motion_moves_the_force(integrator: Integrator) -> None:
     for given in (None, roof):
         panto = PantographInput(chain, 0.0, 5.0, 0.0, 0.0, 120.0, 0.1, given)
         run = stepper(rigid_wire(), 4e-3, pantographs=(panto,), integrator=integrator)
-        forces.append(run.advance(250).contact_force[-1, 0])
-    assert forces[1] - forces[0] == pytest.approx(160.0 * 0.05, rel=1e-3)
-    assert forces[0] == pytest.approx(120.0 - 160.0 * forces[0] * (1 / 2e5 + 1 / 7e3 + 1 / 15500.0),
-                                      rel=1e-3)  # fmt: skip
+        forces.append(run.advance(450).contact_force[-1, 0])
+    above = 1.0 / 2e5 + 1.0 / 7000.0 + 1.0 / 15500.0
+    assert forces[0] == pytest.approx(120.0 / (1.0 + 160.0 * above), rel=1e-4)
+    assert forces[1] - forces[0] == pytest.approx(0.05 / (1.0 / 160.0 + above), rel=1e-3)
 
 
 def test_moving_roof_is_felt_on_the_line() -> None:
@@ -128,31 +127,30 @@ def test_moving_roof_is_felt_on_the_line() -> None:
     calm = passage(case).advance(300)
     moved_roof = passage(case.with_(pantographs=(rear,))).advance(300)
     change = np.abs(moved_roof.contact_force - calm.contact_force)[:, 0]
-    assert change[:100].max() == 0.0
+    assert change[:99].max() == 0.0
     assert change[150:].max() > 1.0
 
 
 def test_lowered_pantograph_leaves_the_line_at_rest() -> None:
     """A pantograph that never touches has no force, and the line does not move."""
     case = ac_simple(line__spans=2, settings__section=(1, 1))
-    given = passage(case)._inputs[0]
-    _, shape, system = found(case)
+    system, (given,) = entering(case)
     low = moved(given, start_height=given.start_height - 0.5, uplift_force=0.0)
     run = stepper(system, 1e-3, pantographs=(low,), tolerance=1e-12)
     block = run.advance(60)
     assert (block.contact_force == 0.0).all()
     assert block.gap[:, 0].min() > 0.4
-    assert np.abs(run.coordinates - shape.position).max() <= 1e-9
+    assert np.abs(run.coordinates - system.position).max() <= 1e-9
 
 
 def test_pantograph_momentum_balance() -> None:
     """Action equals reaction: the momentum of a one-stage pantograph changes by the integral of
     uplift force less contact force, exactly as the trapezoidal rule of Newmark sums it."""
     case = ac_simple(line__spans=2, settings__section=(1, 1))
-    given = moved(passage(case)._inputs[0], chain=one_stage(16.0))
-    system = found(case)[2]
+    system, (benchmark,) = entering(case)
+    given = moved(benchmark, chain=one_stage(16.0))
     run = stepper(system, 1e-3, pantographs=(given,), tolerance=1e-12)
-    block = run.advance(400)
+    block = run.advance(200)
     net = np.array([given.external(t)[0] for t in block.time]) - block.contact_force[:, 0]
     acceleration = np.concatenate([[0.0], net]) / 16.0
     velocity = np.cumsum(0.5e-3 * (acceleration[1:] + acceleration[:-1]))

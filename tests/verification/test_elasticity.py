@@ -69,9 +69,7 @@ def test_benchmark_elasticity(ends: str, record_validation: Record) -> None:
 def test_elasticity_of_the_paper(record_validation: Record) -> None:
     """AC simple, 200 N, messenger wire fixed along the track, NAD 15: within 3 % of the paper's
     own column (table 1). Held there, spans do not feel each other: five spans are enough."""
-    fixed = mid_line(
-        force=200.0, line__spans=5, supports__messenger_longitudinal="fixed", **NAD_15
-    )
+    fixed = mid_line(force=200.0, line__spans=5, supports__messenger_longitudinal="fixed", **NAD_15)
     for point, value, target in zip(POINTS, six_values(fixed), PAPER, strict=True):
         assert record_validation(
             "AC simple, elasticity, 200 N, messenger wire fixed",
@@ -89,9 +87,7 @@ def test_holding_the_messenger_wire_stiffens_the_line() -> None:
     elasticity of support, first dropper and mid-span: within 1 point. (Theory, section 2, names 4,
     6 and 11.5 % from exploratory models.)"""
     free = six_values(mid_line(force=100.0, **NAD_5))
-    fixed = six_values(
-        mid_line(force=100.0, supports__messenger_longitudinal="fixed", **NAD_5)
-    )
+    fixed = six_values(mid_line(force=100.0, supports__messenger_longitudinal="fixed", **NAD_5))
     change = 100.0 * (fixed / free - 1.0)
     assert change[[0, 1, 5]] == pytest.approx([-3.0, -5.0, -10.0], abs=1.0)
 

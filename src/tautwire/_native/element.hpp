@@ -38,63 +38,70 @@ TAUTWIRE_INLINE V dot(const V (&a)[3], const V (&b)[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// A, B and C at one point; `scaled` contains the quadrature weight.
 template <class V>
 struct Gradient {
-    V pp, ps, ss;  // A, B, C
+    V A, B, C;
 };
 
 template <class V>
-TAUTWIRE_INLINE Gradient<V> energy_gradient(const V (&p)[3], const V (&s)[3], Stiffness<V> scaled) {
-    const V P = dot(p, p), S = dot(s, s), R = dot(p, s);
+TAUTWIRE_INLINE Gradient<V> energy_gradient(V P, V S, V R, Stiffness<V> scaled) {
     const V inverse = 1.0 / P;
-    const V ss = scaled.bending * inverse * inverse;
-    const V ps = -R * inverse * ss;
-    const V pp = 0.5 * scaled.axial * (P - 1.0) - inverse * (2.0 * S * ss + 3.0 * R * ps);
-    return {pp, ps, ss};
+    const V C = scaled.bending * inverse * inverse;
+    const V B = -R * inverse * C;
+    const V A = 0.5 * scaled.axial * (P - 1.0) - inverse * (2.0 * S * C + 3.0 * R * B);
+    return {A, B, C};
 }
 
+// Inner products of the basis vectors, or a symmetric matrix on (d, sum, difference).
+template <class V>
+struct Symmetric {
+    V dd, ds, de, ss, se, ee;  // e: difference
+};
+
 // Nodal forces of the elastic energy divided by L, on the basis.
+//
+// As p and s are combinations of the three basis vectors, so is the force: its coefficients are
+// sums of A, B and C over the points, and P, S and R are quadratic in the coefficients of p and s.
+// Points at t and -t share the even and odd parts of everything.
 template <class V>
 TAUTWIRE_INLINE Basis<V> elastic_force(const Basis<V>& e, Stiffness<V> stiffness) {
-    Basis<V> f;
-    {
-        const Stiffness<V> scaled = {kWeight[0] * stiffness.axial, kWeight[0] * stiffness.bending};
-        V p[3], s[3];
-        for (int i = 0; i < 3; ++i) {
-            p[i] = e.d[i] - 0.25 * e.sum[i];
-            s[i] = -e.difference[i];
-        }
-        const Gradient<V> g = energy_gradient(p, s, scaled);
-        for (int i = 0; i < 3; ++i) {
-            f.d[i] = g.pp * p[i] + g.ps * s[i];
-            f.sum[i] = -0.25 * f.d[i];
-            f.difference[i] = -(g.ps * p[i] + g.ss * s[i]);
-        }
+    const Symmetric<V> g = {dot(e.d, e.d),     dot(e.d, e.sum),          dot(e.d, e.difference),
+                            dot(e.sum, e.sum), dot(e.sum, e.difference), dot(e.difference, e.difference)};
+    const Gradient<V> middle =
+        energy_gradient(g.dd - 0.5 * g.ds + 0.0625 * g.ss, g.ee, 0.25 * g.se - g.de,
+                        {kWeight[0] * stiffness.axial, kWeight[0] * stiffness.bending});
+    Symmetric<V> m = {middle.A,          -0.25 * middle.A, -middle.B,
+                      0.0625 * middle.A, 0.25 * middle.B,  middle.C};
+    TAUTWIRE_UNROLL
+    for (int pair = 1; pair < 3; ++pair) {
+        const double t = kPoint[pair], a = 0.75 * t * t - 0.25, b = 0.5 * t, c = 3.0 * t;
+        const V P_even = g.dd + (2.0 * a) * g.ds + (a * a) * g.ss + (b * b) * g.ee;
+        const V P_odd = (-2.0 * b) * (g.de + a * g.se);
+        const V S_even = (c * c) * g.ss + g.ee, S_odd = (-2.0 * c) * g.se;
+        const V R_even = -g.de - (a + b * c) * g.se;
+        const V R_odd = c * g.ds + (c * a) * g.ss + b * g.ee;
+        const Stiffness<V> scaled = {kWeight[pair] * stiffness.axial,
+                                     kWeight[pair] * stiffness.bending};
+        const Gradient<V> right =
+            energy_gradient(P_even + P_odd, S_even + S_odd, R_even + R_odd, scaled);
+        const Gradient<V> left =
+            energy_gradient(P_even - P_odd, S_even - S_odd, R_even - R_odd, scaled);
+        const Gradient<V> even = {right.A + left.A, right.B + left.B, right.C + left.C};
+        const Gradient<V> odd = {right.A - left.A, right.B - left.B, right.C - left.C};
+        m.dd += even.A;
+        m.ds += a * even.A + c * odd.B;
+        m.de -= b * odd.A + even.B;
+        m.ss += (a * a) * even.A + (2.0 * a * c) * odd.B + (c * c) * even.C;
+        m.se -= (a * b) * odd.A + (a + b * c) * even.B + c * odd.C;
+        m.ee += (b * b) * even.A + (2.0 * b) * odd.B + even.C;
     }
-    for (int point = 1; point < 3; ++point) {
-        const double t = kPoint[point], a = 0.75 * t * t - 0.25, b = 0.5 * t;
-        const Stiffness<V> scaled = {kWeight[point] * stiffness.axial,
-                                     kWeight[point] * stiffness.bending};
-        V right_p[3], right_s[3], left_p[3], left_s[3];
-        for (int i = 0; i < 3; ++i) {
-            const V mean = e.d[i] + a * e.sum[i], skew = b * e.difference[i];
-            right_p[i] = mean - skew;
-            left_p[i] = mean + skew;
-            right_s[i] = 3.0 * t * e.sum[i] - e.difference[i];
-            left_s[i] = -3.0 * t * e.sum[i] - e.difference[i];
-        }
-        const Gradient<V> right = energy_gradient(right_p, right_s, scaled);
-        const Gradient<V> left = energy_gradient(left_p, left_s, scaled);
-        for (int i = 0; i < 3; ++i) {
-            const V right_fp = right.pp * right_p[i] + right.ps * right_s[i];
-            const V right_fs = right.ps * right_p[i] + right.ss * right_s[i];
-            const V left_fp = left.pp * left_p[i] + left.ps * left_s[i];
-            const V left_fs = left.ps * left_p[i] + left.ss * left_s[i];
-            const V even = right_fp + left_fp, odd = right_fp - left_fp;
-            f.d[i] += even;
-            f.sum[i] += a * even + 3.0 * t * (right_fs - left_fs);
-            f.difference[i] -= b * odd + (right_fs + left_fs);
-        }
+    Basis<V> f;
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        f.d[i] = m.dd * e.d[i] + m.ds * e.sum[i] + m.de * e.difference[i];
+        f.sum[i] = m.ds * e.d[i] + m.ss * e.sum[i] + m.se * e.difference[i];
+        f.difference[i] = m.de * e.d[i] + m.se * e.sum[i] + m.ee * e.difference[i];
     }
     return f;
 }

@@ -16,31 +16,35 @@ struct Cables {
     const double *e, *length, *axial, *bending;
     std::ptrdiff_t n;
 
-    // Load the elements from `first` on; lanes behind the end repeat the last element.
-    Element load(std::ptrdiff_t first, Doubles (&left)[6], Doubles (&right)[6]) const {
-        Element element = {};
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const std::ptrdiff_t i = first + lane < n ? first + lane : n - 1;
-            for (int k = 0; k < 6; ++k) {
-                left[k][lane] = e[k * n + i];
-                right[k][lane] = e[(6 + k) * n + i];
-            }
-            element.length[lane] = length[i];
-            element.inverse_length[lane] = 1.0 / length[i];
-            element.stiffness.axial[lane] = axial[i];
-            element.stiffness.bending[lane] = bending[i] / (length[i] * length[i]);
-        }
-        return element;
+    int lanes(std::ptrdiff_t first) const {
+        return n - first < kLanes ? static_cast<int>(n - first) : kLanes;
     }
 
-    int lanes(std::ptrdiff_t first) const { return static_cast<int>(n - first < kLanes ? n - first : kLanes); }
+    // Load the elements from `first` on; lanes behind the end repeat the last element.
+    Element load(std::ptrdiff_t first, Doubles (&left)[6], Doubles (&right)[6]) const {
+        for (int k = 0; k < 6; ++k) {
+            left[k] = lanes_of(e + k * n, first);
+            right[k] = lanes_of(e + (6 + k) * n, first);
+        }
+        const Doubles l = lanes_of(length, first), inverse = 1.0 / l;
+        const Stiffness<Doubles> stiffness = {lanes_of(axial, first),
+                                              lanes_of(bending, first) * inverse * inverse};
+        return {l, inverse, stiffness, broadcast<Doubles>(0.0)};
+    }
+
+private:
+    Doubles lanes_of(const double* values, std::ptrdiff_t first) const {
+        Doubles out = broadcast<Doubles>(values[n - 1]);
+        for (int lane = 0; lane < lanes(first); ++lane) out[lane] = values[first + lane];
+        return out;
+    }
 };
 
 void cable_force(int n, const double* e, const double* length, const double* axial,
                  const double* bending, double* out) {
     const Cables cables{e, length, axial, bending, n};
     for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
-        Doubles left[6] = {}, right[6] = {}, q[12];
+        Doubles left[6], right[6], q[12];
         const Element element = cables.load(first, left, right);
         const Basis<Doubles> f =
             elastic_force(basis_of(left, right, element.inverse_length), element.stiffness);
@@ -60,7 +64,7 @@ void cable_tangent(int n, const double* e, const double* length, const double* a
                    const double* bending, double* out) {
     const Cables cables{e, length, axial, bending, n};
     for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
-        Doubles left[6] = {}, right[6] = {}, packed_tangent[kPacked], k[12][12];
+        Doubles left[6], right[6], packed_tangent[kPacked], k[12][12];
         const Element element = cables.load(first, left, right);
         elastic_tangent(basis_of(left, right, element.inverse_length), element.stiffness, packed_tangent);
         nodal_tangent(packed_tangent, element, k);

@@ -18,10 +18,15 @@
 #error "define TAUTWIRE_LANES (doubles per register) and TAUTWIRE_ISA (name of the instruction set)"
 #endif
 
-#if defined(__GNUC__)
+#if defined(__clang__)
 #define TAUTWIRE_INLINE [[gnu::always_inline]] inline
+#define TAUTWIRE_UNROLL _Pragma("unroll")
+#elif defined(__GNUC__)
+#define TAUTWIRE_INLINE [[gnu::always_inline]] inline
+#define TAUTWIRE_UNROLL _Pragma("GCC unroll 16")
 #else
 #define TAUTWIRE_INLINE __forceinline
+#define TAUTWIRE_UNROLL
 #endif
 
 namespace tautwire::TAUTWIRE_ISA {

@@ -131,8 +131,11 @@ TAUTWIRE_INLINE void Sweeps::add_wires(
         x[6 + i] = join(rate[0].difference[i], rate[1].difference[i]);
     }
     const Floats* k = damping_[row].k;
+    TAUTWIRE_UNROLL
     for (int i = 0; i < 9; ++i) y[i] = k[packed(i, i)] * x[i];
+    TAUTWIRE_UNROLL
     for (int i = 0; i < 9; ++i)
+        TAUTWIRE_UNROLL
         for (int j = i + 1; j < 9; ++j) {
             y[i] += k[packed(i, j)] * x[j];
             y[j] += k[packed(i, j)] * x[i];
@@ -152,17 +155,24 @@ TAUTWIRE_INLINE void Sweeps::add_wires(
     }
 }
 
-// Subtract the consistent mass times (s1, s1', s2, s2').
+// Subtract the consistent mass times (s1, s1', s2, s2'), split into parts that are even and odd
+// under exchange of the ends.
 TAUTWIRE_INLINE void Sweeps::add_inertia(const Element& element, const Doubles* left,
                                          const Doubles* right, Doubles* on_left, Doubles* on_right) {
     const Doubles m = element.mass, slope = m * element.length;
+    TAUTWIRE_UNROLL
     for (int i = 0; i < 3; ++i) {
-        const Doubles r1 = left[i], g1 = element.length * left[3 + i];
-        const Doubles r2 = right[i], g2 = element.length * right[3 + i];
-        on_left[i] -= m * (156.0 * r1 + 54.0 * r2 + 22.0 * g1 - 13.0 * g2);
-        on_right[i] -= m * (54.0 * r1 + 156.0 * r2 + 13.0 * g1 - 22.0 * g2);
-        on_left[3 + i] -= slope * (22.0 * r1 + 13.0 * r2 + 4.0 * g1 - 3.0 * g2);
-        on_right[3 + i] += slope * (13.0 * r1 + 22.0 * r2 + 3.0 * g1 - 4.0 * g2);
+        const Doubles sum = left[i] + right[i], difference = left[i] - right[i];
+        const Doubles slope_sum = element.length * (left[3 + i] + right[3 + i]);
+        const Doubles slope_difference = element.length * (left[3 + i] - right[3 + i]);
+        const Doubles force_even = 105.0 * sum + 17.5 * slope_difference;
+        const Doubles force_odd = 51.0 * difference + 4.5 * slope_sum;
+        const Doubles moment_even = 4.5 * difference + 0.5 * slope_sum;
+        const Doubles moment_odd = 17.5 * sum + 3.5 * slope_difference;
+        on_left[i] -= m * (force_even + force_odd);
+        on_right[i] -= m * (force_even - force_odd);
+        on_left[3 + i] -= slope * (moment_even + moment_odd);
+        on_right[3 + i] -= slope * (moment_even - moment_odd);
     }
 }
 

@@ -84,7 +84,7 @@ def even_points(
     if not count:
         shortest = float(np.diff(stations).min())
         count = max(8, int(np.ceil((end - start) / shortest * POINTS_PER_ELEMENT)))
-    x = start + (end - start) / count * np.arange(count)
+    x = np.linspace(start, end, count, endpoint=False)
     element = np.clip(np.searchsorted(stations, x, side="right") - 1, 0, len(stations) - 2)
     lengths = shape.cable_lengths[element]
     nodes = shape.position.reshape(-1, 2, 2, 3)[:, 0, :, 0]

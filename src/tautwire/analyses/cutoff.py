@@ -10,7 +10,7 @@ from tautwire.analyses.section import analysed_section
 from tautwire.analyses.statistics import uniform_force
 from tautwire.analyses.wavelengths import line_lengths
 from tautwire.results.run import Run
-from tautwire.signals.bands import band_standard_deviations
+from tautwire.signals.bands import band_name, band_standard_deviations
 from tautwire.signals.filters import Lowpass, SharpLowpass
 from tautwire.specs.case import Case
 
@@ -136,8 +136,6 @@ def missed_deviation(
     given: Lowpass = SharpLowpass() if lowpass is None else lowpass
     cutoff = advise_cutoff(run.case).frequency
     bands = [(0.0, STANDARD), (0.0, cutoff), (0.0, WIDEST)]
-    values = [
-        next(iter(band_standard_deviations(given, record.force, record.time_step, inside, [b]).values()))
-        for b in bands
-    ]
+    found = band_standard_deviations(given, record.force, record.time_step, inside, bands)
+    values = [found[band_name(band)] for band in bands]
     return MissedDeviation(given.with_cutoff(cutoff).describe(), cutoff, *values)

@@ -39,9 +39,7 @@ SENSITIVE_WITHIN = 0.01
 _EDGE = 1e-7
 
 
-def modes(
-    model: Model, shape: Equilibrium, *, near: float = 45.0, count: int = 20
-) -> Modes:
+def modes(model: Model, shape: Equilibrium, *, near: float = 45.0, count: int = 20) -> Modes:
     """Find the modes nearest to a frequency.
 
     A line has many modes per Hz, half of them lateral; ``result.ranked()`` puts first those in

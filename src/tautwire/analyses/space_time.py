@@ -61,8 +61,7 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
     shots = run.snapshots
     if not run.case.settings.store_shapes or len(shots.time) < 3:
         raise InputError(
-            "the shapes of the wires were not stored; run the case with "
-            "settings.store_shapes: true"
+            "the shapes of the wires were not stored; run the case with settings.store_shapes: true"
         )
     heights = (shots.contact_z if wire == "contact" else shots.messenger_z).astype(np.float64)
     velocity = np.gradient(heights, shots.time, axis=0)

@@ -143,7 +143,9 @@ def presag_spectrum(
     """
     first, last = section
     if not 1 <= first <= last < len(shape.support_x):
-        raise InputError(f"section [{first}, {last}]: the line has {len(shape.support_x) - 1} spans")
+        raise InputError(
+            f"section [{first}, {last}]: the line has {len(shape.support_x) - 1} spans"
+        )
     points = even_points(
         shape, start=float(shape.support_x[first - 1]), end=float(shape.support_x[last])
     )

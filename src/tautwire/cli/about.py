@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 import sys
+from typing import Literal
 
 from tautwire import __version__
+from tautwire.errors import InputError
 
 
-def program(choice: str = "auto") -> str:
-    """Return name, version and the backend that a choice leads to.
+def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
+    """Return the name of the backend that a choice leads to.
 
     Parameters
     ----------
     choice
         ``settings.backend``.
+
+    Raises
+    ------
+    InputError
+        When it asks for the compiled core and this installation has none.
     """
     from tautwire.numerics.backend import backend_name
 
-    return f"tautwire {__version__}, backend {backend_name(choice)}"
+    try:
+        return backend_name(choice)
+    except RuntimeError as error:
+        raise InputError(f"settings.backend: {error}") from None
+
+
+def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
+    """Return name, version and backend."""
+    return f"tautwire {__version__}, backend {backend(choice)}"
 
 
 def show_version() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from tautwire import __version__
 from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
+from tautwire.cli.about import program
 from tautwire.cli.session import REFUSED, Answer
 from tautwire.cli.tables import facts, heading, table
 from tautwire.inputs.load import load_case
@@ -19,6 +20,7 @@ from tautwire.specs.case import Case
 def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None:
     """Check a case and show what it amounts to."""
     case = load_case(reference, overrides)
+    answer.say(program(case.settings.backend))
     quantities, advice = wave_quantities(case), preflight(case)
     answer.document.update(
         {

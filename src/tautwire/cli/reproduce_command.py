@@ -62,6 +62,11 @@ def _record_view(record: Record) -> list[Any]:
         ]
         heads = ("", "published", *kinds, "verdict")
         parts += [heading(run), table(heads, "Lr" + "r" * len(kinds) + "L", rows)]
+        parts += [
+            f"{claim.verdict}: {claim.name}; {claim.explanation}."
+            for claim in record.claims
+            if claim.run == run and claim.explanation
+        ]
     inputs = ", ".join(source.path for source in record.doubtful_inputs)
     parts += [
         heading("Filters"),

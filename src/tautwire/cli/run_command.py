@@ -23,7 +23,7 @@ from tautwire.cli.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
-from tautwire.model.preflight import preflight
+from tautwire.model.preflight import Advice, preflight
 from tautwire.report.tables import write_dropper_table, write_force_history
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.files import write_text
@@ -64,6 +64,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
     with prepared_folder(request.out or default_folder(case.name)) as folder:
         answer.say(program(case.settings.backend))
         advice = preflight(case)
+        refuse_hopeless(advice)
         answer.advise(advice)
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
@@ -77,6 +78,19 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         answer.fail("computation", [run.message], FAILED)
     elif interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
+
+
+def refuse_hopeless(advice: Sequence[Advice]) -> None:
+    """Refuse a run that cannot give its result, before anything is computed.
+
+    Raises
+    ------
+    ModelError
+        With every reason.
+    """
+    reasons = [str(item) for item in advice if item.severity == "refused"]
+    if reasons:
+        raise ModelError("\n".join(reasons))
 
 
 @dataclass(frozen=True)

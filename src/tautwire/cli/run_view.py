@@ -13,10 +13,15 @@ from tautwire.assessment.references import (
     load_references,
 )
 from tautwire.cli.progress import duration
-from tautwire.cli.tables import facts, heading, table
+from tautwire.cli.tables import batched, facts, heading, table
+from tautwire.inputs.overrides import OVERRIDDEN
 from tautwire.report.words import MISSING, counted, number, quantity, readable, speed
 from tautwire.results.run import Run
 from tautwire.results.statistics import PantographStatistics, RunStatistics
+from tautwire.specs.case import Case
+
+MOST_COLUMNS = 4
+"""Columns of numbers that a table may have before another one is begun."""
 
 QUANTITIES = {
     "mean": "mean",
@@ -35,9 +40,9 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         heading(run.case.title or run.case.name, speed(run.case.scenario.speed)),
         _facts(run, statistics),
         heading("Contact force [N]", "over the section"),
-        _force_table(statistics),
-        heading("Passage"),
-        _passage_table(statistics),
+        *(_force_table(columns) for columns in batched(_columns(statistics), MOST_COLUMNS)),
+        heading("Passage", _uplift(statistics)),
+        *(_passage_table(some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
         heading("Limits", "unverified: nobody compared the limit with the standard's text"),
         _check_table(checks, many=len(run.pantographs) > 1),
     ]
@@ -46,6 +51,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
 
 def _facts(run: Run, statistics: RunStatistics) -> Any:
     section, counters = statistics.section, run.counters
+    changed = changed_inputs(run.case)
     spans = f"spans {section.first_span} to {section.last_span}"
     passes = counters.get("tuning_passes") or 0
     work = f"{counters.get('steps', 0)} steps, {duration(counters.get('cpu_s', 0.0))} of CPU time"
@@ -56,6 +62,7 @@ def _facts(run: Run, statistics: RunStatistics) -> Any:
             ("status", run.status),
             ("section", f"{spans}, {section.start:g} to {section.end:g} m"),
             ("contact stiffness", f"{1e-3 * run.case.settings.contact_stiffness:g} kN/m"),
+            ("set for this run", ", ".join(changed) or "nothing"),
             ("headline filter", statistics.pantographs[0].headline.description),
             ("work", work),
             ("backend", str(counters.get("backend", ""))),
@@ -77,8 +84,7 @@ def _short(kind: str) -> str:
     return {"butterworth": "Butterworth"}.get(kind, kind)
 
 
-def _force_table(statistics: RunStatistics) -> Any:
-    columns = _columns(statistics)
+def _force_table(columns: Sequence[tuple[str, PantographStatistics, str]]) -> Any:
     parts = [entry.filtered[kind] for _, entry, kind in columns]
     rows = [("mean", *(number(part.mean, 2) for part in parts))]
     for band in parts[0].standard_deviations:
@@ -92,20 +98,29 @@ def _force_table(statistics: RunStatistics) -> Any:
     return table(("", *(head for head, _, _ in columns)), "l" + "r" * len(columns), rows)
 
 
-def _passage_table(statistics: RunStatistics) -> Any:
-    entries = statistics.pantographs
+def _uplift(statistics: RunStatistics) -> str:
+    uplift = statistics.uplift
+    if not math.isfinite(uplift.maximum):
+        return ""
+    support = uplift.supports[uplift.uplift == uplift.maximum][0]
+    return f"largest uplift at a support {quantity(1e3 * uplift.maximum, 'mm')} (support {support})"
+
+
+def _passage_table(entries: Sequence[PantographStatistics]) -> Any:
     losses = [entry.contact_loss for entry in entries]
     rows = [
         ("uplift force", *(quantity(entry.uplift_force, "N", 2) for entry in entries)),
-        ("tuned to a mean of", *(quantity(entry.target_mean, "N", 2) for entry in entries)),
+        ("tuned to a mean of", *(_target(entry) for entry in entries)),
         ("contact losses", *(str(loss.count) for loss in losses)),
         ("share of time", *(quantity(loss.percent, "%", 3) for loss in losses)),
         ("longest", *(quantity(1e3 * loss.longest, "ms") for loss in losses)),
-        ("largest uplift at a support", quantity(1e3 * statistics.uplift.maximum, "mm"),
-         *("" for _ in entries[1:])),
-    ]  # fmt: skip
+    ]
     heads = ("", *(entry.name for entry in entries))
     return table(heads, "l" + "r" * len(entries), rows)
+
+
+def _target(entry: PantographStatistics) -> str:
+    return "not tuned" if entry.target_mean is None else quantity(entry.target_mean, "N", 2)
 
 
 def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
@@ -128,12 +143,19 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
     return table(heads, "Lrrlll", rows)
 
 
+def changed_inputs(case: Case) -> list[str]:
+    """Return the paths of the inputs that were set for this run."""
+    return [source.path for source in case.sources if source.source == OVERRIDDEN]
+
+
 def reference_view(run: Run, statistics: RunStatistics) -> list[Any]:
     """Return comparisons with published results of the same reference line and speed."""
     parts: list[Any] = []
+    changed = set(changed_inputs(run.case)) - {"scenario.speed"}
     for reference in load_references().of_case(run.case.name, run.case.scenario.speed):
         rows = compare_with_reference(statistics, reference)
         known = "remembered, not read" if reference.provisional else "published"
+        known += ", for the line as published" if changed else ""
         parts += [heading(reference.title, known), reference_table(rows)]
     return parts
 

@@ -65,11 +65,14 @@ class Answer:
     document : dict
         The JSON document.
     exit_code : int
+    lost_output : OSError or None
+        Why standard output cannot be written any more.
     """
 
     as_json: bool
     document: dict[str, Any] = field(default_factory=dict)
     exit_code: int = DONE
+    lost_output: OSError | None = None
 
     @cached_property
     def out(self) -> Console:
@@ -82,10 +85,21 @@ class Answer:
         return _console(stderr=True)
 
     def show(self, *parts: Any) -> None:
-        """Print tables and texts for people; nothing in JSON mode."""
-        if not self.as_json:
+        """Print tables and texts for people; nothing in JSON mode.
+
+        When standard output cannot be written, as after ``| head``, the command goes on: its
+        files must not depend on it.
+        """
+        if self.as_json or self.lost_output is not None:
+            return
+        try:
             for part in parts:
                 self.out.print(part)
+            sys.stdout.flush()
+        except OSError as error:
+            self.lost_output = error
+        except SystemExit:  # how rich answers to a closed pipe
+            self.lost_output = BrokenPipeError()
 
     def say(self, text: str, style: str = "dim") -> None:
         """Print a line on standard error."""
@@ -114,7 +128,15 @@ class Answer:
             self._labelled("error", "".join(problems), "bold red")
 
     def close(self) -> None:
-        """Print the JSON document."""
+        """Print the JSON document; tell when standard output was lost.
+
+        Raises
+        ------
+        OSError
+            When standard output could not be written.
+        """
+        if self.lost_output is not None:
+            raise self.lost_output
         if self.as_json:
             sys.stdout.write(to_json(self.document) + "\n")
             sys.stdout.flush()

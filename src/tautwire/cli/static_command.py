@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tautwire.analyses.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.shape import find_shape
-from tautwire.cli.about import program
+from tautwire.cli.about import backend, program
 from tautwire.cli.documents import static_document
 from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
@@ -20,7 +20,6 @@ from tautwire.cli.static_view import static_view
 from tautwire.cli.tables import files_written, heading
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
-from tautwire.numerics.backend import backend_name
 from tautwire.report.tables import write_dropper_table
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import write_text
@@ -37,8 +36,8 @@ def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: P
             model = build(case)
             shape = find_shape(model)
             elasticity = compute_elasticity(model, shape)
-        backend = backend_name(case.settings.backend)
-        answer.document.update(static_document(case, shape, elasticity, backend, []))
+        name = backend(case.settings.backend)
+        answer.document.update(static_document(case, shape, elasticity, name, []))
         answer.show(*static_view(case, shape, elasticity))
         if folder is not None:
             _write(answer, Files(folder), case, shape, elasticity)

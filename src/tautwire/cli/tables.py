@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Any, TypeVar
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
+
+T = TypeVar("T")
 
 STYLES = {
     "inside": "green",
@@ -52,6 +55,13 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
     for row in rows:
         result.add_row(*(Text(cell, style=STYLES.get(cell, "")) for cell in row))
     return result
+
+
+def batched(items: Iterable[T], size: int) -> Iterator[tuple[T, ...]]:
+    """Yield items in groups of at most ``size``."""
+    rest = iter(items)
+    while group := tuple(islice(rest, size)):
+        yield group
 
 
 def facts(pairs: Iterable[tuple[str, str]]) -> Table:

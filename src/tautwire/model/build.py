@@ -40,8 +40,6 @@ class Model:
         Stations of both wires.
     supports : SupportGeometry
         Nominal wire positions.
-    dropper_drop : (n_dropper,) m
-        Pre-sag in height mode, given lengths in length mode.
     form : FormProblem
         What is prescribed while the shape is sought, and a first guess.
     """

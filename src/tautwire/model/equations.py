@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,14 +32,15 @@ def equations(model: Model, shape: Equilibrium) -> System:
         ``position`` is an equilibrium of this system.
     """
     case, mesh = model.case, model.mesh
+    hold = _vertical_hold(model, shape)
     system = model.form.system.with_(
         position=shape.position,
         cable_length=shape.cable_lengths,
         dropper_length=shape.dropper_lengths_unstrained,
-        fixed=_fixed(model),
-        load=_static_loads(model, shape),
-        **_arms(model, shape),
-        **_springs(model, shape),
+        fixed=_fixed(model, hold),
+        load=_static_loads(model, shape, hold),
+        **_arms(model, shape, hold),
+        **_springs(model, shape, hold),
     )
     axial = model.form.dropper_axial_stiffness
     if axial is not None:
@@ -47,11 +49,59 @@ def equations(model: Model, shape: Equilibrium) -> System:
     mass = system.node_mass.copy()
     mass[2 * mesh.dropper_station + CONTACT] += half
     mass[2 * mesh.dropper_station + MESSENGER] += half
+    if hold is not None:
+        mass[interior_support_nodes(mesh, CONTACT)] += hold.added_mass
     weight = weight_load(system, case.droppers.mass, case.line.gravity)
     return system.with_(node_mass=mass, load=system.load + weight)
 
 
-def _fixed(model: Model) -> NDArray[np.bool_]:
+@dataclass(frozen=True, eq=False)
+class _VerticalHold:
+    """Preloaded vertical springs that hold the contact wire at the supports between the anchors.
+
+    Attributes
+    ----------
+    along : (n_support - 2,) N/m
+        Stiffness along the track.
+    stiffness, damping : (n_support - 2,) N/m, N s/m
+    preload : (n_support - 2,) N
+        Upward force in the static state, weight of what moves with the spring deducted.
+    added_mass : float kg
+        Mass that is not among the lumped masses yet.
+    """
+
+    along: Array
+    stiffness: Array
+    damping: Array
+    preload: Array
+    added_mass: float
+
+
+def _vertical_hold(model: Model, shape: Equilibrium) -> _VerticalHold | None:
+    """Return the vertical springs of the contact wire; None where steady arms swing.
+
+    A steady arm with motion ``vertical`` acts as the spring that a swinging one is for small
+    rotations at constant lateral pull H: ``V = H tan(angle)`` gives
+    ``dV/dz = H / (l cos^3 angle)``; along the track it is a pendulum of stiffness N/l. A third of
+    its mass moves with the wire.
+    """
+    spec = model.case.supports
+    ones = np.ones(len(model.mesh.support_station) - 2)
+    if spec.closure == "spring" and spec.spring is not None:
+        spring = spec.spring
+        return _VerticalHold(
+            0.0 * ones, spring.stiffness * ones, spring.damping * ones, shape.contact_preloads, 0.0
+        )
+    if spec.arm.motion == "swinging":
+        return None
+    cosine = np.cos(shape.arm_angles)
+    along = shape.arm_forces / spec.arm.length
+    preload = shape.arm_forces * np.sin(shape.arm_angles) - arm_half_weight(model.case)
+    third = spec.arm.mass * spec.arm.length / 3.0
+    return _VerticalHold(along, along / cosine**2, 0.0 * ones, preload, third)
+
+
+def _fixed(model: Model, hold: _VerticalHold | None) -> NDArray[np.bool_]:
     """Return the degrees of freedom that never move."""
     case, mesh = model.case, model.mesh
     fixed = np.zeros((mesh.station_count, 2, 6), dtype=bool)
@@ -61,12 +111,11 @@ def _fixed(model: Model) -> NDArray[np.bool_]:
     inner = mesh.support_station[1:-1]
     fixed[inner, MESSENGER, 1] = True
     fixed[inner, MESSENGER, 0] = case.supports.messenger_longitudinal == "fixed"
-    if case.supports.closure == "spring":
-        fixed[inner, CONTACT, 1] = True
+    fixed[inner, CONTACT, 1] = hold is not None
     return fixed.ravel()
 
 
-def _static_loads(model: Model, shape: Equilibrium) -> Array:
+def _static_loads(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> Array:
     """Return the loads that do not depend on unstrained lengths."""
     case, mesh = model.case, model.mesh
     load = np.zeros((mesh.station_count, 2, 6))
@@ -74,27 +123,25 @@ def _static_loads(model: Model, shape: Equilibrium) -> Array:
     load[0, :, 0] += shape.end_pulls[0]
     load[-1, :, 0] += shape.end_pulls[1]
     inner = mesh.support_station[1:-1]
-    if case.supports.closure == "spring":
-        load[inner, CONTACT, 2] += shape.contact_preloads
-    else:
-        load[inner, CONTACT, 2] -= arm_half_weight(case)
+    load[inner, CONTACT, 2] += -arm_half_weight(case) if hold is None else hold.preload
     return load.ravel()
 
 
-def _arms(model: Model, shape: Equilibrium) -> dict[str, Any]:
-    count = len(shape.arm_supports)
+def _arms(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> dict[str, Any]:
+    """Return the swinging arms."""
+    count = len(shape.arm_supports) if hold is None else 0
     spec = model.case.supports.arm
     return {
-        "arm_nodes": 2 * model.mesh.support_station[shape.arm_supports - 1] + CONTACT,
-        "arm_ends": shape.arm_ends,
+        "arm_nodes": 2 * model.mesh.support_station[shape.arm_supports[:count] - 1] + CONTACT,
+        "arm_ends": shape.arm_ends[:count],
         "arm_length": np.full(count, spec.length),
         "arm_stiffness": np.full(count, spec.axial_stiffness / spec.length),
         "arm_mass": np.full(count, spec.mass * spec.length),
     }
 
 
-def _springs(model: Model, shape: Equilibrium) -> dict[str, Any]:
-    """Return the grounded springs: messenger-wire supports, spring supports of the contact wire.
+def _springs(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> dict[str, Any]:
+    """Return the grounded springs: messenger-wire supports, vertical springs of the contact wire.
 
     The preload of the latter is a load; the spring itself counts from the static height, which
     includes springs without stiffness (constant-force supports).
@@ -104,11 +151,12 @@ def _springs(model: Model, shape: Equilibrium) -> dict[str, Any]:
     stiffness = [np.full(len(dofs[0]), spec.messenger_stiffness)]
     damping = [np.full(len(dofs[0]), spec.messenger_damping)]
     free = [shape.messenger_free_heights]
-    if spec.closure == "spring" and spec.spring is not None:
-        dofs.append(6 * interior_support_nodes(mesh, CONTACT) + 2)
-        stiffness.append(np.full(len(dofs[1]), spec.spring.stiffness))
-        damping.append(np.full(len(dofs[1]), spec.spring.damping))
-        free.append(shape.support_heights[1:-1])
+    if hold is not None:
+        nodes = interior_support_nodes(mesh, CONTACT)
+        dofs += [6 * nodes, 6 * nodes + 2]
+        stiffness += [hold.along, hold.stiffness]
+        damping += [0.0 * hold.damping, hold.damping]
+        free += [shape.support_x[1:-1], shape.support_heights[1:-1]]
     return {
         "spring_dofs": np.concatenate(dofs),
         "spring_stiffness": np.concatenate(stiffness),

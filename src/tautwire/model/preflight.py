@@ -31,6 +31,7 @@ SPEED_SHARE = 0.7
 """Share of the wave speed above which waves gather before the pantograph."""
 
 _MOST_NODES = 200
+_MUCH_MEMORY = 1e9
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ def preflight(case: Case) -> tuple[Advice, ...]:
         *_contact_resonance(case),
         *_steps_per_element(case),
         *_sampling(case),
+        *_memory(case),
     ]
     order: tuple[Severity, ...] = ("refused", "warning", "note")
     return tuple(sorted(found, key=lambda advice: order.index(advice.severity)))
@@ -276,6 +278,23 @@ def _sampling(case: Case) -> Iterator[Advice]:
             f"with {1e3 * case.settings.time_step:g} ms the record holds nothing from "
             f"{nyquist:.4g} Hz on; bands that reach it have no value",
             f"settings.time_step below {500.0 / WIDEST_BAND:g} ms for all bands",
+        )
+
+
+def _memory(case: Case) -> Iterator[Advice]:
+    """Tell that the histories of a passage fill the memory of a usual machine."""
+    spans = case.line.spans
+    droppers = sum(len(row) for row in case.droppers.positions_by_span(spans))
+    stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
+    steps = case.line.length() / case.scenario.speed / case.settings.time_step
+    size = 2 * 8 * steps * (droppers + spans + 1 + stages)
+    if size > _MUCH_MEMORY:
+        yield Advice(
+            "memory",
+            "warning",
+            f"a passage has {steps:.2g} steps, and its histories take about "
+            f"{1e-9 * size:.2g} GB of memory",
+            "use fewer spans (line.spans) or a longer settings.time_step, or check scenario.speed",
         )
 
 

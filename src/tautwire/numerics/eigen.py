@@ -1,4 +1,4 @@
-"""Undamped free vibration ``K phi = omega^2 M phi`` of a line: modes near a target, and their count.
+"""Undamped vibration ``K phi = omega^2 M phi`` of a line: modes near a target, and their count.
 
 Modes are found by Lanczos iteration on the shifted and inverted problem, with a banded LU factor
 of ``K - sigma M``. How many modes lie below a shift follows from the signs of the block pivots of
@@ -28,6 +28,8 @@ _NEARLY_ZERO = 1e-13
 
 _NUDGE = 1e-9
 """Relative change of a shift that hits a mode, or whose count is not sure."""
+
+_NUDGES = 3
 
 _LANCZOS_SEED = 20210
 
@@ -86,17 +88,16 @@ class Vibration:
 
     def shifted_band(self, shift: float) -> Array:
         """Return ``K - shift M`` in LAPACK upper banded storage; held rows are the identity."""
-        return self._pattern.upper_band(
-            self._stiffness - shift * self._mass, -shift * self._lumped
-        )
+        return self._pattern.upper_band(self._stiffness - shift * self._mass, -shift * self._lumped)
 
     def count_below(self, shift: float) -> int:
         """Count the modes with ``omega^2 < shift``."""
-        for _ in range(3):
-            negative, is_sure = negative_eigenvalues(self.shifted_band(shift))
+        negative, is_sure = negative_eigenvalues(self.shifted_band(shift))
+        for _ in range(_NUDGES):
             if is_sure:
                 break
             shift = _nudged(shift)
+            negative, is_sure = negative_eigenvalues(self.shifted_band(shift))
         return negative
 
     def nearest(self, shift: float, count: int) -> Pairs:
@@ -113,13 +114,14 @@ class Vibration:
 
         solve, shift = self._inverse(shift)
         n = int(self.free.sum())
+        operator: Any = LinearOperator
         start = np.random.default_rng(_LANCZOS_SEED).standard_normal(n)
         values, vectors = eigsh(
             self.stiffness,
             k=count,
             M=self.mass,
             sigma=shift,
-            OPinv=LinearOperator((n, n), matvec=solve, dtype=np.float64),
+            OPinv=operator((n, n), matvec=solve, dtype=np.float64),
             v0=start,
             ncv=min(n, 2 * count + 20),
         )

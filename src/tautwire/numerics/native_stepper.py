@@ -101,11 +101,10 @@ class NativeStepper:
         coupled = _coupling(system, options) > _SLOW_COUPLING
         self._core = core.Stepper(_line_arrays(system), _scheme(options, coupled=coupled))
         for given in self._inputs:
-            step = PantographStep(given.chain, options.integrator, options.time_step)
             self._core.add_pantograph(
                 given.chain.chain_matrix(given.chain.stiffness),
                 given.chain.chain_matrix(given.chain.damping),
-                step.inverse,
+                _inverse_mass(PantographStep(given.chain, options.integrator, options.time_step)),
                 given.start_height,
             )
         self.counters.notes["kernels"] = f"native ({core.instruction_set})"
@@ -191,6 +190,13 @@ class NativeStepper:
             "after": external[1:].copy(),
             "observed": self._observed,
         }
+
+
+def _inverse_mass(step: PantographStep) -> Array:
+    """Return the inverse of the effective mass over a step, column by column."""
+    zero = np.zeros(step.chain.stage_count)
+    units = np.eye(step.chain.stage_count)
+    return np.column_stack([step.acceleration(zero, zero, unit, zero) for unit in units])
 
 
 def _coupling(system: System, options: StepOptions) -> float:

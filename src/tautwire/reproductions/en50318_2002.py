@@ -80,10 +80,13 @@ def _run(name: str, watch: Watch | None, changes: Mapping[str, Any]) -> Run:
 
 def _judge(name: str, run: Run, speed: int) -> tuple[tuple[Claim, ...], dict[str, str]]:
     """Return the claims about one run, and the filters it was seen through."""
-    statistics = contact_statistics(run)
-    filtered = statistics.pantograph().filtered
     reference = load_references().get(f"{STUDY}-{speed}")
-    compared = {
-        kind: compare_with_reference(statistics, reference, filter=kind) for kind in filtered
-    }
-    return claims_of(name, compared), {kind: part.description for kind, part in filtered.items()}
+    first, last = run.case.with_(**{"settings.section": None}).resolved_section()
+    own, wider = contact_statistics(run), contact_statistics(run, section=(first, last))
+    filtered = own.pantograph().filtered
+    rows, others = (
+        {kind: compare_with_reference(part, reference, filter=kind) for kind in filtered}
+        for part in (own, wider)
+    )
+    claims = claims_of(name, rows, others, f"spans {first} to {last}")
+    return claims, {kind: part.description for kind, part in filtered.items()}

@@ -7,7 +7,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -54,6 +54,8 @@ class Claim:
         Whether each lies in the range; None without a value.
     confidence : str
         How well the published range is known.
+    remark : str
+        The number found over a wider section, for a claim that is not met.
     """
 
     run: str
@@ -64,6 +66,7 @@ class Claim:
     found: Mapping[str, float]
     inside: Mapping[str, bool | None]
     confidence: str
+    remark: str = ""
 
     @property
     def name(self) -> str:
@@ -84,11 +87,16 @@ class Claim:
 
     @property
     def explanation(self) -> str:
-        """With which filter the number lies inside, where that matters."""
-        if self.verdict != "depends on the filter":
+        """With which filter, and over which section, the number lies inside; empty when met."""
+        if self.verdict == "inside":
             return ""
-        kinds = " and ".join(_short(kind) for kind, is_inside in self.inside.items() if is_inside)
-        return f"inside with the {kinds} filter; the source does not state its filter"
+        parts = []
+        if self.verdict == "depends on the filter":
+            kinds = [_short(kind) for kind, is_inside in self.inside.items() if is_inside]
+            parts.append(
+                f"inside with the {' and '.join(kinds)} filter; the source does not state its own"
+            )
+        return "; ".join([*parts, self.remark] if self.remark else parts)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the claim as plain data for JSON, None in place of NaN."""
@@ -181,7 +189,12 @@ class Record:
         }
 
 
-def claims_of(run: str, by_filter: Mapping[str, Iterable[ReferenceRow]]) -> tuple[Claim, ...]:
+def claims_of(
+    run: str,
+    by_filter: Mapping[str, Iterable[ReferenceRow]],
+    wider: Mapping[str, Iterable[ReferenceRow]] | None = None,
+    section: str = "",
+) -> tuple[Claim, ...]:
     """Join the comparisons of one run with the same reference, made with several filters.
 
     Parameters
@@ -190,14 +203,38 @@ def claims_of(run: str, by_filter: Mapping[str, Iterable[ReferenceRow]]) -> tupl
         Which run it is.
     by_filter
         Comparisons by kind of filter; rows without a range are left out.
+    wider
+        The same over a wider section, to explain what is not met.
+    section
+        Name of that section.
     """
-    rows = {kind: {row.quantity: row for row in every} for kind, every in by_filter.items()}
-    first = next(iter(rows.values()))
+    rows, others = _by_quantity(by_filter), _by_quantity(wider or {})
     return tuple(
-        _claim(run, {kind: own[name] for kind, own in rows.items()})
-        for name, row in first.items()
-        if row.low is not None
+        replace(_claim(run, own), remark=_remark(section, others.get(name, {})))
+        for name, own in rows.items()
+        if next(iter(own.values())).low is not None
     )
+
+
+def _by_quantity(
+    by_filter: Mapping[str, Iterable[ReferenceRow]],
+) -> dict[str, dict[str, ReferenceRow]]:
+    found: dict[str, dict[str, ReferenceRow]] = {}
+    for kind, rows in by_filter.items():
+        for row in rows:
+            found.setdefault(row.quantity, {})[kind] = row
+    return found
+
+
+def _remark(section: str, rows: Mapping[str, ReferenceRow]) -> str:
+    """Tell what is found over another section."""
+    parts = []
+    for kind, row in rows.items():
+        factor, unit = _PUBLISHED_UNITS[row.unit]
+        where = {True: "inside", False: "outside", None: "no value"}[row.inside]
+        filtered = "" if row.filter == "unfiltered" else f" ({_short(kind)})"
+        parts.append(f"{quantity(row.value * factor, unit)}{filtered}, {where}")
+    return f"over {section}: {'; '.join(dict.fromkeys(parts))}" if parts else ""
 
 
 def _claim(run: str, rows: Mapping[str, ReferenceRow]) -> Claim:

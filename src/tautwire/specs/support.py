@@ -45,6 +45,12 @@ class Arm(Spec):
     axial_stiffness: Annotated[float, Quantity("N", gt=0.0, le=1e10, typical="17 MN")] = Field(
         default=17e6, description="Axial stiffness EA."
     )
+    motion: Literal["swinging", "vertical"] = Field(
+        default="swinging",
+        description="'swinging': the arm turns about its far end and so moves the wire sideways "
+        "as it rises. 'vertical': it acts as its equivalent vertical spring (lateral pull over "
+        "length) with a third of its mass, the wire held laterally, as in plane models.",
+    )
     angle: Annotated[float, Quantity("rad", gt=-1.5, lt=1.5, typical="10 deg")] | None = Field(
         default=None,
         description="Closure 'arm' only: inclination that places the far end as seen from the "

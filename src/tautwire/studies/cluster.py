@@ -1,0 +1,142 @@
+"""Cases computed on a Dask cluster.
+
+The cluster's workers need the same version of tautwire; they send rows back, and this process
+writes them. Start workers with one thread each: ``dask worker tcp://… --nthreads 1``.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from tautwire import __version__
+from tautwire.errors import InputError
+from tautwire.studies.executor import Event, StudyStopped, save_row
+from tautwire.studies.store import Store
+from tautwire.studies.task import Job, lost_row, perform
+
+_AHEAD = 2
+"""Cases handed to the cluster per thread, so that no worker waits for this process."""
+
+_GONE = (
+    "the cluster at {address} is gone ({reason}); finished cases are kept: start again with "
+    "--resume when it is back"
+)
+
+
+class DaskCluster:
+    """Workers of a Dask cluster.
+
+    The scheduler gives a case to another worker when its worker dies, and gives it up after its
+    ``allowed-failures`` (three by default).
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, ``"tcp://host:8786"``.
+    folder
+        Folder of the study, to which this process writes.
+    timeout
+        Time to reach the scheduler [s].
+    """
+
+    def __init__(
+        self, address: str, folder: str | os.PathLike[str], *, timeout: float = 20.0
+    ) -> None:
+        self._address, self._store, self._timeout = address, Store(folder), timeout
+        self._client: Any = None
+        self._running: dict[str, Any] = {}
+        self._ended: SimpleQueue[str] = SimpleQueue()
+
+    @property
+    def description(self) -> str:
+        """What computes, in words."""
+        return f"the Dask cluster at {self._address}, {self._threads()} threads"
+
+    @property
+    def room(self) -> int:
+        """How many more cases it takes now."""
+        return max(1, _AHEAD * self._threads()) - len(self._running)
+
+    def __enter__(self) -> DaskCluster:
+        try:
+            from distributed import Client
+        except ImportError:
+            raise InputError(
+                "--cluster needs Dask; install it with: pip install 'tautwire[cluster]'"
+            ) from None
+        try:
+            self._client = Client(
+                self._address, timeout=self._timeout, set_as_default=False, name="tautwire-study"
+            )
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"--cluster {self._address}: no Dask scheduler answers there "
+                f"({type(error).__name__}: {error}); check address and network"
+            ) from None
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._client is not None:
+            self._running.clear()
+            self._client.close(timeout=5)
+
+    def submit(self, job: Job) -> None:
+        """Take a case."""
+        future = self._client.submit(
+            compute_remotely, asdict(job), key=f"tautwire-{job.key}", pure=False
+        )
+        self._running[job.key] = future
+        future.add_done_callback(lambda _, key=job.key: self._ended.put(key))
+
+    def next(self, timeout: float) -> Event | None:
+        """Wait for an event; None when nothing happened in time [s]."""
+        try:
+            key = self._ended.get(timeout=timeout)
+        except Empty:
+            if self._client.status not in ("running", "connecting"):
+                raise self._gone(f"connection {self._client.status}") from None
+            return None
+        future = self._running.pop(key, None)
+        return None if future is None else self._collect(key, future)
+
+    def _collect(self, key: str, future: Any) -> Event:
+        """Write the row that came back."""
+        from distributed import KilledWorker
+        from distributed.client import CancelledError
+        from distributed.comm import CommClosedError
+
+        try:
+            row, run_file = future.result(timeout=self._timeout)
+        except KilledWorker as error:
+            row, run_file = lost_row(f"its workers died while computing it ({error})"), None
+        except (CancelledError, CommClosedError, TimeoutError) as error:
+            raise self._gone(type(error).__name__) from error
+        except Exception as error:  # noqa: BLE001  raised by the remote machine, not by the case
+            row, run_file = lost_row(f"its worker failed: {type(error).__name__}: {error}"), None
+        if row["version"] != __version__:
+            raise StudyStopped(
+                f"the cluster at {self._address} computes with tautwire {row['version']}, this "
+                f"is {__version__}; install the same version on its workers"
+            )
+        save_row(self._store, key, row, run_file)
+        return Event(key, "finished", row["status"], row["reason"])
+
+    def _gone(self, reason: str) -> StudyStopped:
+        return StudyStopped(_GONE.format(address=self._address, reason=reason))
+
+    def _threads(self) -> int:
+        if self._client is None:
+            return 0
+        try:
+            return sum(self._client.nthreads().values())
+        except (OSError, TimeoutError) as error:
+            raise self._gone(type(error).__name__) from error
+
+
+def compute_remotely(job: dict[str, Any]) -> tuple[dict[str, Any], bytes | None]:
+    """Compute a case on a worker of the cluster."""
+    outcome = perform(Job(**job))
+    return outcome.row, outcome.run_file

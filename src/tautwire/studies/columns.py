@@ -1,0 +1,68 @@
+"""Quantities of the table of a study: name, unit and meaning. Data only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+PANTOGRAPH, FILTER, BAND = "pantograph", "filter", "band"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity of the table.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        ``"1"`` for a number without unit.
+    text : str
+    dimensions : tuple of str
+        Beyond those of the study.
+    """
+
+    name: str
+    unit: str
+    text: str
+    dimensions: tuple[str, ...] = ()
+
+
+_FORCES = (
+    ("mean", "mean contact force, low-passed at 20 Hz"),
+    ("maximum", "largest contact force, low-passed at 20 Hz"),
+    ("minimum", "smallest contact force, low-passed at 20 Hz"),
+    ("statistical_maximum", "mean plus three standard deviations, 0-20 Hz"),
+    ("statistical_minimum", "mean minus three standard deviations, 0-20 Hz"),
+    ("std_advised", "standard deviation of the contact force up to the advised cut-off"),
+)
+STD = Quantity(
+    "std",
+    "N",
+    "standard deviation of the contact force in a band",
+    (PANTOGRAPH, FILTER, BAND),
+)
+PER_FILTER = tuple(Quantity(name, "N", text, (PANTOGRAPH, FILTER)) for name, text in _FORCES)
+PER_PANTOGRAPH = (
+    Quantity("uplift_force", "N", "applied uplift force", (PANTOGRAPH,)),
+    Quantity("contact_height_range", "m", "range of the contact point's height", (PANTOGRAPH,)),
+    Quantity("loss_count", "1", "number of contact losses", (PANTOGRAPH,)),
+    Quantity("loss_percent", "%", "time without contact", (PANTOGRAPH,)),
+    Quantity("loss_longest", "s", "longest contact loss", (PANTOGRAPH,)),
+    Quantity("arc_percent", "%", "time in losses of at least 5 ms", (PANTOGRAPH,)),
+)
+PER_CASE = (
+    Quantity("uplift_max", "m", "largest uplift at a support"),
+    Quantity("dropper_force_max", "N", "largest dropper force"),
+    Quantity("dropper_slack_longest", "s", "longest time that a dropper is slack"),
+    Quantity("advised_cutoff", "Hz", "cut-off that covers a quarter of the shortest interval"),
+    Quantity("steps", "1", "time steps of the last passage"),
+    Quantity("tuning_passes", "1", "passages computed to tune the mean force"),
+)
+COST = (
+    Quantity("cpu_s", "s", "processor time of the case"),
+    Quantity("wall_s", "s", "time that the case took"),
+    Quantity("peak_memory_mb", "MB", "largest memory its worker had used until then"),
+)
+KNOWN = (*PER_FILTER, STD, *PER_PANTOGRAPH, *PER_CASE)
+NAMES = tuple(item.name for item in (*KNOWN, *COST)) + (PANTOGRAPH, FILTER, BAND)
+"""Names that no axis may have."""

@@ -1,0 +1,152 @@
+"""Results of a study on disk: one small file per finished case, there as soon as it is finished.
+
+A file is written beside its place, flushed to the disk and renamed, so a row is either there as a
+whole or not at all, whatever is killed when.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any
+
+from tautwire.errors import InputError
+
+ROWS, RUNS, LOCK = "rows", "runs", ".lock"
+
+Row = Mapping[str, Any]
+
+
+class Store:
+    """The folder of a study.
+
+    Parameters
+    ----------
+    folder
+        Made when it is first written to.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+
+    def row_path(self, key: str) -> Path:
+        """Return where the row of a case is kept."""
+        return self.folder / ROWS / key[:2] / f"{key}.json"
+
+    def run_path(self, key: str) -> Path:
+        """Return where the histories of a case are kept, if the study keeps them."""
+        return self.folder / RUNS / f"{key}.nc"
+
+    def finished(self) -> set[str]:
+        """Return the keys of all cases with a row that can be read."""
+        paths = (self.folder / ROWS).glob("??/*.json")
+        return {path.stem for path in paths if self.load(path.stem) is not None}
+
+    def load(self, key: str) -> Row | None:
+        """Return the row of a case; None when there is none, or not a whole one."""
+        try:
+            row = json.loads(self.row_path(key).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        return row if isinstance(row, dict) and row.get("key") == key else None
+
+    def save(self, key: str, row: Row, run_file: bytes | None = None) -> None:
+        """Write the row of a finished case, its histories before it.
+
+        Raises
+        ------
+        OSError
+            When it cannot be written; nothing half-written stays.
+        """
+        if run_file is not None:
+            write_whole(self.run_path(key), run_file)
+        text = json.dumps({**row, "key": key}, allow_nan=False, separators=(",", ":"))
+        write_whole(self.row_path(key), text.encode())
+
+    def clear(self) -> None:
+        """Remove all rows and kept histories."""
+        for path in [
+            *(self.folder / ROWS).glob("??/*.json"),
+            *(self.folder / RUNS).glob("*.nc"),
+        ]:
+            path.unlink(missing_ok=True)
+
+    def sweep(self) -> None:
+        """Remove what killed processes left half-written."""
+        for path in [
+            *(self.folder / ROWS).glob("??/.*.part"),
+            *(self.folder / RUNS).glob(".*.part"),
+        ]:
+            path.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file completely or not at all, and see it on the disk before returning.
+
+    Raises
+    ------
+    OSError
+        When that fails.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with draft.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+class FolderLock:
+    """Keeps two studies from computing in one folder at the same time.
+
+    The operating system releases the lock when the process ends, however it ends.
+
+    Parameters
+    ----------
+    folder
+        Folder of the study.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / LOCK
+        self._file: IO[bytes] | None = None
+
+    def __enter__(self) -> FolderLock:
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = self._path.open("ab")
+        except OSError as error:
+            raise InputError(
+                f"{self._path.parent}: cannot be written to ({error.strerror or error}); choose "
+                "another folder"
+            ) from None
+        if not _lock(self._file):
+            self._file.close()
+            raise InputError(
+                f"{self._path.parent}: another study is computing in this folder; wait for it, or "
+                "choose another folder"
+            )
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._file is not None:
+            self._file.close()
+
+
+def _lock(file: IO[bytes]) -> bool:
+    """Lock a file without waiting; True when it was free."""
+    try:
+        import fcntl
+    except ImportError:  # not POSIX
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,350 @@
+"""Everything that came out of a study, as labelled arrays over its dimensions."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.errors import InputError
+from tautwire.specs.study import Study
+from tautwire.studies import columns
+from tautwire.studies.axes import AxisValues, Dimension
+from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH, Quantity
+from tautwire.studies.plan import Plan
+from tautwire.studies.store import Row, Store
+
+REFUSED, MISSING = "refused", "missing"
+_NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A labelled array.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    dimensions : tuple of str
+    values : array
+    """
+
+    quantity: Quantity
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Cases that failed for the same reason (numbers in it aside).
+
+    Attributes
+    ----------
+    status : str
+        ``"failed"`` or ``"refused"``.
+    reason : str
+        As the first of them says it.
+    cases : tuple of int
+        Their numbers, from 1.
+    """
+
+    status: str
+    reason: str
+    cases: tuple[int, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the failure as plain data for JSON."""
+        return {"status": self.status, "reason": self.reason, "cases": list(self.cases)}
+
+
+@dataclass(frozen=True, eq=False)
+class StudyTable:
+    """Results of a study.
+
+    The first axes of every array are the dimensions of the study: one per axis of a grid,
+    ``"sample"`` for a Latin hypercube, ``"case"`` for axes that move together. Then come
+    ``"pantograph"``, ``"filter"`` and ``"band"`` where they apply.
+
+    Attributes
+    ----------
+    study : Study
+    dimensions : tuple of Dimension
+    labels : mapping of str to tuple of str
+        Names along pantograph, filter and band.
+    variables : mapping of str to Variable
+        Numbers; NaN where a case has none.
+    status, reason, key : arrays of str over the dimensions
+        ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed).
+    """
+
+    study: Study
+    dimensions: tuple[Dimension, ...]
+    labels: Mapping[str, tuple[str, ...]]
+    variables: Mapping[str, Variable]
+    status: NDArray[np.object_]
+    reason: NDArray[np.object_]
+    key: NDArray[np.object_]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the dimensions of the study."""
+        return tuple(dimension.name for dimension in self.dimensions)
+
+    @property
+    def axes(self) -> tuple[AxisValues, ...]:
+        """All axes of the study."""
+        return tuple(axis for dimension in self.dimensions for axis in dimension.axes)
+
+    def counts(self) -> dict[str, int]:
+        """Return the number of cases by status."""
+        states, numbers = np.unique(self.status.astype(str), return_counts=True)
+        found = dict(zip(states.tolist(), numbers.tolist(), strict=True))
+        return {state: found.get(state, 0) for state in ("done", "failed", REFUSED, MISSING)}
+
+    def __getitem__(self, name: str) -> Variable:
+        """Return a variable by name."""
+        if name not in self.variables:
+            raise InputError(f"the table holds no {name!r}; it holds: {', '.join(self.variables)}")
+        return self.variables[name]
+
+    def failures(self) -> tuple[Failure, ...]:
+        """Return what failed, equal reasons together, the commonest first."""
+        groups: dict[tuple[str, str], list[int]] = {}
+        texts: dict[tuple[str, str], str] = {}
+        pairs = zip(self.status.ravel(), self.reason.ravel(), strict=True)
+        for number, (status, reason) in enumerate(pairs, 1):
+            if status in ("failed", REFUSED):
+                group = (str(status), _NUMBERS.sub("#", str(reason)))
+                groups.setdefault(group, []).append(number)
+                texts.setdefault(group, str(reason))
+        order = sorted(groups, key=lambda group: (-len(groups[group]), groups[group]))
+        return tuple(Failure(group[0], texts[group], tuple(groups[group])) for group in order)
+
+    def coordinates(self) -> dict[str, Variable]:
+        """Return the values of the axes over their dimension, by short name."""
+        found = {}
+        for dimension in self.dimensions:
+            for axis in dimension.axes:
+                dtype = float if axis.is_numeric else object
+                quantity = Quantity(axis.name, axis.unit or "1", axis.path)
+                values = np.array(axis.coordinates, dtype=dtype)
+                found[axis.name] = Variable(quantity, (dimension.name,), values)
+        return found
+
+    def to_csv(self) -> str:
+        """Return one row per case as CSV; units stand in the headers."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        flat = list(self._flat())
+        axes = [_headed(axis.name, axis.unit) for axis in self.axes]
+        writer.writerow(["case", *axes, "status", "reason", "key", *(head for head, _ in flat)])
+        for number, index in enumerate(np.ndindex(*self.status.shape)):
+            values = [_cell(column[number]) for _, column in flat]
+            texts = [self.status[index], self.reason[index], self.key[index]]
+            writer.writerow([number + 1, *self._place(index), *texts, *values])
+        return out.getvalue()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one plain mapping per case for JSON: axes, status, reason, key, numbers."""
+        flat = list(self._flat())
+        found = []
+        for number, index in enumerate(np.ndindex(*self.status.shape)):
+            axes = zip(self.axes, self._place(index), strict=True)
+            row = {"case": number + 1, **{axis.name: value for axis, value in axes}}
+            row |= {"status": self.status[index], "reason": self.reason[index]}
+            row |= {"key": self.key[index]}
+            found.append(row | {head: float(column[number]) for head, column in flat})
+        return found
+
+    def _place(self, index: tuple[int, ...]) -> list[Any]:
+        return [
+            axis.coordinates[at]
+            for dimension, at in zip(self.dimensions, index, strict=True)
+            for axis in dimension.axes
+        ]
+
+    def _flat(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Yield every column of the table: header with unit, one number per case."""
+        count = self.status.size
+        for variable in self.variables.values():
+            quantity = variable.quantity
+            further = [self.labels[name] for name in quantity.dimensions]
+            columns_of = variable.values.reshape(count, -1)
+            for at, index in enumerate(np.ndindex(*map(len, further))):
+                words = [labels[i] for labels, i in zip(further, index, strict=True)]
+                band = f"_{words.pop()}" if BAND in quantity.dimensions else ""
+                head = ".".join([*words, quantity.name + band])
+                yield _headed(head, quantity.unit), columns_of[:, at]
+
+    def to_xarray(self) -> Any:
+        """Return the table as an ``xarray.Dataset``.
+
+        Raises
+        ------
+        InputError
+            When xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise InputError(
+                "xarray is not installed; install it with: pip install 'tautwire[data]'"
+            ) from None
+        variables = {
+            name: (item.dimensions, item.values, _attributes(item.quantity))
+            for name, item in [*self.variables.items(), *self._texts().items()]
+        }
+        coordinates: dict[str, Any] = {
+            name: (item.dimensions, item.values, _attributes(item.quantity))
+            for name, item in self.coordinates().items()
+        }
+        coordinates |= {name: list(labels) for name, labels in self.labels.items() if labels}
+        return xarray.Dataset(variables, coordinates, {"study": self.study.name})
+
+    def _texts(self) -> dict[str, Variable]:
+        given = {
+            "status": (self.status, "done, failed, refused (by validation) or missing"),
+            "reason": (self.reason, "why the case failed"),
+            "key": (self.key, "what identifies the result: input, version, what is computed"),
+        }
+        return {
+            name: Variable(Quantity(name, "1", text), self.names, values)
+            for name, (values, text) in given.items()
+        }
+
+    def content(self) -> tuple[dict[str, Variable], dict[str, Variable], dict[str, Any]]:
+        """Return coordinates, variables and attributes as a netCDF file holds them."""
+        labels = {
+            name: Variable(Quantity(name, "1", name), (name,), np.array(values, dtype=object))
+            for name, values in self.labels.items()
+            if values
+        }
+        attributes = {
+            "title": self.study.title or self.study.name,
+            "study": json.dumps(self.study.to_dict(), ensure_ascii=False),
+        }
+        coordinates = self.coordinates() | labels
+        return coordinates, {**self.variables, **self._texts()}, attributes
+
+
+def collect(plan: Plan, store: Store) -> StudyTable:
+    """Read the rows of a study from disk and put them side by side.
+
+    Parameters
+    ----------
+    plan
+    store
+
+    Returns
+    -------
+    StudyTable
+    """
+    rows = {key: row for key in plan.by_key if (row := store.load(key)) is not None}
+    labels = _labels(rows.values())
+    axes = {axis.name for dimension in plan.dimensions for axis in dimension.axes}
+    quantities = _quantities(rows.values(), labels, axes)
+    arrays = {
+        q.name: np.full((len(plan.points), *(len(labels[d]) for d in q.dimensions)), np.nan)
+        for q in quantities
+    }
+    texts = {name: np.full(len(plan.points), "", dtype=object) for name in _TEXTS}
+    for at, point in enumerate(plan.points):
+        row = rows.get(point.key)
+        status = str(row["status"]) if row else REFUSED if point.problems else MISSING
+        reason = str(row["reason"]) if row else "; ".join(point.problems)
+        for name, text in zip(_TEXTS, (status, reason, point.key), strict=True):
+            texts[name][at] = text
+        if row is not None:
+            _fill(arrays, at, row, labels)
+    names = tuple(dimension.name for dimension in plan.dimensions)
+    return StudyTable(
+        study=plan.study,
+        dimensions=plan.dimensions,
+        labels=labels,
+        variables={
+            q.name: Variable(
+                q,
+                (*names, *q.dimensions),
+                arrays[q.name].reshape(*plan.shape, *arrays[q.name].shape[1:]),
+            )
+            for q in quantities
+        },
+        **{name: values.reshape(plan.shape) for name, values in texts.items()},
+    )
+
+
+_TEXTS = ("status", "reason", "key")
+
+
+def _labels(rows: Iterable[Row]) -> dict[str, tuple[str, ...]]:
+    """Return the names of pantographs, filters and bands in all rows, in order."""
+    found: dict[str, dict[str, None]] = {PANTOGRAPH: {}, FILTER: {}, BAND: {}}
+    for row in rows:
+        for entry in row["values"].get("pantographs", ()):
+            found[PANTOGRAPH][entry["name"]] = None
+            for kind, part in entry["filters"].items():
+                found[FILTER][kind] = None
+                found[BAND] |= dict.fromkeys(_bands(part))
+    return {name: tuple(entries) for name, entries in found.items()}
+
+
+def _bands(part: Mapping[str, Any]) -> list[str]:
+    return [name[4:] for name in part if re.fullmatch(r"std_[\d.]+_[\d.]+", name)]
+
+
+def _quantities(
+    rows: Iterable[Row], labels: Mapping[str, Sequence[str]], axes: Set[str]
+) -> list[Quantity]:
+    """Return what the table holds: the known quantities, then numbers of other tasks."""
+    taken = axes | set(columns.NAMES)
+    others = {
+        name: None
+        for row in rows
+        for name, value in row["values"].items()
+        if isinstance(value, (int, float)) and name not in taken
+    }
+    found = columns.KNOWN if labels[PANTOGRAPH] else ()
+    return [*found, *(Quantity(name, "1", name) for name in others), *columns.COST]
+
+
+def _fill(
+    arrays: Mapping[str, NDArray[Any]], at: int, row: Row, labels: Mapping[str, Sequence[str]]
+) -> None:
+    """Enter the numbers of a row."""
+    values = row["values"]
+    for name, value in [*values.items(), *row["cost"].items()]:
+        if name in arrays and isinstance(value, (int, float)):
+            arrays[name][at] = value
+    for entry in values.get("pantographs", ()):
+        who = labels[PANTOGRAPH].index(entry["name"])
+        for quantity in columns.PER_PANTOGRAPH:
+            arrays[quantity.name][at, who] = _number(entry.get(quantity.name))
+        for kind, part in entry["filters"].items():
+            through = labels[FILTER].index(kind)
+            for quantity in columns.PER_FILTER:
+                arrays[quantity.name][at, who, through] = _number(part.get(quantity.name))
+            for number, band in enumerate(labels[BAND]):
+                arrays["std"][at, who, through, number] = _number(part.get(f"std_{band}"))
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _attributes(quantity: Quantity) -> dict[str, str]:
+    return {"long_name": quantity.text, "units": quantity.unit}
+
+
+def _headed(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit and unit != "1" else name
+
+
+def _cell(value: float) -> str:
+    return f"{value:.10g}" if np.isfinite(value) else ""

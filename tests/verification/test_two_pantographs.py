@@ -1,0 +1,125 @@
+"""Two pantographs on one line: what the leading one feels of the trailing one, and when."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tautwire.numerics.stepper import StepBlock
+from tautwire.specs.case import Case
+
+from ..lines import ac_simple, entering, moved, passage, stepper
+
+Array = NDArray[np.float64]
+BEHIND, STEPS = 40.0, 540
+
+
+def train(count: int, **changes: Any) -> Case:
+    """Return two spans with one or two pantographs 40 m apart."""
+    case = ac_simple(**{"line__spans": 2, "settings__section": (1, 1), **changes})
+    front = case.pantographs[0]
+    rear = front.with_(name="rear", behind=BEHIND)
+    return case.with_(pantographs=(front, rear)[:count])
+
+
+@cache
+def alone() -> StepBlock:
+    """Return the passage of the leading pantograph alone."""
+    return passage(train(1), tolerance=1e-11).advance(STEPS)
+
+
+@cache
+def together() -> StepBlock:
+    """Return the passage of both."""
+    return passage(train(2), tolerance=1e-11).advance(STEPS)
+
+
+def entry_time() -> float:
+    """Return when the trailing pantograph enters [s]."""
+    case = train(2)
+    return BEHIND / case.scenario.speed
+
+
+def test_leading_force_is_that_of_the_single_run_until_the_other_touches() -> None:
+    """Until the trailing pantograph touches the wire the leading one feels nothing at all."""
+    touched = int(np.flatnonzero(together().contact_force[:, 1] > 0.0)[0])
+    assert together().time[touched] >= entry_time()
+    assert np.array_equal(together().contact_force[:touched, 0], alone().contact_force[:touched, 0])
+    assert touched > 450
+
+
+def test_leading_force_until_the_first_wave_can_arrive() -> None:
+    """The first wave that can arrive is a longitudinal one, sqrt(EA/m) = 3.3 km/s, 12 ms for
+    40 m. Until then the leading force differs by less than 0.05 N, and not by nothing only because
+    an implicit step is felt everywhere."""
+    touched = int(np.flatnonzero(together().contact_force[:, 1] > 0.0)[0])
+    wave = BEHIND / np.sqrt(15e6 / 1.35)
+    before = together().time < together().time[touched] + wave
+    change = np.abs(together().contact_force - alone().contact_force[:, :1])[before, 0]
+    assert change[touched:].size >= 11
+    assert change.max() < 0.05
+
+
+def test_trailing_pantograph_has_its_own_history() -> None:
+    """The trailing pantograph starts when the train has carried it to the start, with a force of
+    its own, and is not a copy of the leading one: the wire moves already."""
+    force, dt = together().contact_force, 1e-3
+    enters = int(np.ceil(entry_time() / dt))
+    assert (force[: enters - 1, 1] == 0.0).all()
+    assert np.isnan(together().gap[: enters - 2, 1]).all()
+    assert np.isfinite(together().gap[enters:, 1]).all()
+    late = force[enters:, 1]
+    assert late.max() > 50.0
+    assert np.abs(late - force[: len(late), 0]).max() > 1.0
+
+
+def test_vanishing_second_pantograph_changes_nothing() -> None:
+    """A second pantograph that is lowered (below the wire, pulled down) has no contact force and
+    leaves the run of the first unchanged to 1e-9."""
+    system, (front, rear) = entering(train(2))
+    low = moved(rear, start_height=rear.start_height - 0.3, uplift_force=-50.0)
+    wire = 6 * system.contact_nodes[::20] + 2
+    run = stepper(system, 1e-3, pantographs=(front, low), tolerance=1e-11, observed=wire)
+    both, one = run.advance(STEPS), alone()
+    assert (both.contact_force[:, 1] == 0.0).all()
+    assert np.abs(both.contact_force[:, 0] - one.contact_force[:, 0]).max() <= 1e-9
+    assert np.abs(both.observed - one.observed).max() <= 1e-9
+
+
+def test_order_of_the_pantographs_does_not_matter() -> None:
+    """Exchanging the two in the list exchanges their columns, to rounding."""
+    system, (front, rear) = entering(train(2))
+    near = moved(rear, start_time=0.05)
+    a = stepper(system, 1e-3, pantographs=(front, near), tolerance=1e-11).advance(150)
+    b = stepper(system, 1e-3, pantographs=(near, front), tolerance=1e-11).advance(150)
+    assert a.contact_force[:, 1].max() > 10.0
+    assert b.contact_force[:, ::-1] == pytest.approx(a.contact_force, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_transverse_waves_arrive_later_and_are_larger() -> None:
+    """With the messenger wire held along the track, the leading pantograph feels less than a
+    quarter of what it feels later until four fifths of the way of the contact wire's transverse
+    wave are over (short waves run ahead of it, by bending)."""
+    speed, behind, steps = 40.0, 60.0, 2500
+    case = ac_simple(
+        line__spans=3,
+        settings__section=(1, 1),
+        scenario__speed=speed,
+        supports__messenger_longitudinal="fixed",
+    )
+    front = case.pantographs[0]
+    rear = front.with_(name="rear", behind=behind)
+    one = passage(case, tolerance=1e-9).advance(steps)
+    two = passage(case.with_(pantographs=(front, rear)), tolerance=1e-9).advance(steps)
+    change = np.abs(two.contact_force[:, 0] - one.contact_force[:, 0])
+    enters, way = behind / speed, behind / (np.sqrt(22e3 / 1.35) - speed)
+    before = change[(two.time > enters) & (two.time < enters + 0.8 * way)]
+    after = change[two.time > enters + way]
+    assert len(before) > 500
+    assert len(after) > 300
+    assert np.sqrt((before**2).mean()) < 0.25 * np.sqrt((after**2).mean())
