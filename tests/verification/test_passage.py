@@ -182,9 +182,9 @@ def test_three_gauss_points_would_do(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three Gauss points instead of five change the contact force by less than 0.1 N (theory,
     section 1); the change is not zero, so the rule is really used."""
     case = {**SHORT, "settings__nodes_between_droppers": 9}
-    five = run(200, **case)
+    five = run(100, **case)
     patch_gauss_points(monkeypatch, 3)
-    three = run(200, **case)
+    three = run(100, **case)
     change = np.abs(three.contact_force - five.contact_force).max()
     assert 0.0 < change < 0.1
 

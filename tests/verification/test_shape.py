@@ -48,6 +48,7 @@ LINES: dict[str, dict[str, Any]] = {
     "no pre-sag": {"droppers__presag": [0.0] * 9},
     "droppers with EA": {"droppers__stiffness": "200 kN"},
     "stiff droppers": {"droppers__stiffness": 1e8},
+    "closure lift 0": {"supports__closure": "lift"},
     "closure lift": {"supports__closure": "lift", "supports__lift": 20.0},
     "closure arm": {"supports__closure": "arm", "supports__arm": {"angle": "10 deg"}},
     "closure spring": {

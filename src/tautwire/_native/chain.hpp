@@ -31,6 +31,21 @@ struct PointColumn {
     }
 };
 
+// The same for a right-hand side on one row, all segments at once; cut off at the segments' ends.
+template <class V, int B>
+struct RowColumn {
+    static constexpr int kRows = 8;
+    int first = 0, count = 0;
+    V w[kRows][B], z[kRows][B];
+
+    V response() const {  // rhs' A^-1 rhs
+        V sum = broadcast<V>(0.0);
+        for (int n = 0; n < count; ++n)
+            for (int i = 0; i < B; ++i) sum += z[n][i] * w[n][i];
+        return sum;
+    }
+};
+
 // V holds one value per segment (B = 12), or one per segment and wire (B = 6).
 template <class V, int B>
 class BlockChain {
@@ -82,19 +97,12 @@ public:
     }
 
     TAUTWIRE_INLINE const Block& substitute(int row) {
-        const V *y = &y_[row * B], *inverse = &inverse_[row * kTriangle];
         const V* lower = &lower_[(row + 1) * B * B];
         V out[B];
-        for (V& value : out) value = broadcast<V>(0.0);
-        for (int i = 0; i < B; ++i) {
-            out[i] += inverse[0] * y[i];
-            for (int j = i + 1; j < B; ++j) {
-                out[i] += inverse[j - i] * y[j];
-                out[j] += inverse[j - i] * y[i];
-            }
-            inverse += B - i;
-        }
+        scale(row, &y_[row * B], out);
+        TAUTWIRE_UNROLL
         for (int i = 0; i < B; ++i)
+            TAUTWIRE_UNROLL
             for (int j = 0; j < B; ++j) out[j] -= lower[i * B + j] * x_[i];
         for (int i = 0; i < B; ++i) x_[i] = out[i];
         return x_;
@@ -102,6 +110,19 @@ public:
 
     // Forward-eliminate a right-hand side on one wire's element between `station` and the next.
     void eliminate_point(int station, int wire, const double (&rhs)[2][6], PointColumn<B>& out) const;
+
+    void eliminate_row(int row, const V (&rhs)[B], RowColumn<V, B>& out) const;
+
+    V respond(const RowColumn<V, B>& column) const {
+        V sum = broadcast<V>(0.0);
+        for (int n = 0; n < column.count; ++n)
+            for (int i = 0; i < B; ++i) sum += column.z[n][i] * y_[(column.first + n) * B + i];
+        return sum;
+    }
+    void add(const RowColumn<V, B>& column, V factor) {
+        for (int n = 0; n < column.count; ++n)
+            for (int i = 0; i < B; ++i) y_[(column.first + n) * B + i] += factor * column.w[n][i];
+    }
 
     // Return (rhs of the column)' A^-1 (present right-hand side).
     double respond(const PointColumn<B>& column) const {
@@ -124,11 +145,32 @@ private:
     static constexpr int kGroups = B == 6 ? 2 : 1;
     // A carried value is dropped when it has faded by this factor.
     static constexpr double kFaded = B == 6 ? 1e-5 : 1e-10;
+    // The same for the columns of contacts and droppers, which decay from about 1.
+    static constexpr double kWindowFaded = 1e-3;
 
     TAUTWIRE_INLINE void subtract_lower(int row, const V* left, V* rhs) const {
         const V* lower = &lower_[row * B * B];
-        for (int i = 0; i < B; ++i)
-            for (int j = 0; j < B; ++j) rhs[i] -= lower[i * B + j] * left[j];
+        TAUTWIRE_UNROLL
+        for (int j = 0; j < B; ++j)
+            TAUTWIRE_UNROLL
+            for (int i = 0; i < B; ++i) rhs[i] -= lower[i * B + j] * left[j];
+    }
+
+    // out = D^-1 y
+    TAUTWIRE_INLINE void scale(int row, const V* y, V (&out)[B]) const {
+        const V* inverse = &inverse_[row * kTriangle];
+        TAUTWIRE_UNROLL
+        for (int j = 0; j < B; ++j) out[j] = inverse[j] * y[0];
+        TAUTWIRE_UNROLL
+        for (int i = 0; i < B; ++i) {
+            if (i > 0) out[i] += inverse[0] * y[i];
+            TAUTWIRE_UNROLL
+            for (int j = i + 1; j < B; ++j) {
+                out[i] += inverse[j - i] * y[j];
+                if (i > 0) out[j] += inverse[j - i] * y[i];
+            }
+            inverse += B - i;
+        }
     }
 
     int lane(const PointColumn<B>& column, int n) const {
@@ -199,17 +241,29 @@ int BlockChain<V, B>::reach(bool forward) const {
                 largest = maximum(largest, absolute(next[i][j]));
             }
         std::memcpy(product, next, sizeof(next));
-        double size = 0.0;
-        for (int i = 0; i < kLanesOf<V>; ++i) size = largest[i] > size ? largest[i] : size;
-        if (size < kFaded) return step + 1;
+        if (largest_lane(largest) < kFaded) return step + 1;
     }
     return most;
 }
 
 template <class V, int B>
+void BlockChain<V, B>::eliminate_row(int row, const V (&rhs)[B], RowColumn<V, B>& out) const {
+    const int left = layout_.rows - row;
+    out.first = row;
+    out.count = left < RowColumn<V, B>::kRows ? left : RowColumn<V, B>::kRows;
+    for (int n = 0; n < out.count; ++n) {
+        for (int i = 0; i < B; ++i) out.w[n][i] = n == 0 ? rhs[i] : broadcast<V>(0.0);
+        if (n > 0) subtract_lower(row + n, out.w[n - 1], out.w[n]);
+        scale(row + n, out.w[n], out.z[n]);
+        V size = broadcast<V>(0.0);
+        for (const V& value : out.w[n]) size = maximum(size, absolute(value));
+        if (largest_lane(size) < kWindowFaded) out.count = n + 1;
+    }
+}
+
+template <class V, int B>
 void BlockChain<V, B>::eliminate_point(
     int station, int wire, const double (&rhs)[2][6], PointColumn<B>& out) const {
-    constexpr double faded = 1e-4;
     const int offset = B == 6 ? 0 : 6 * wire, left = layout_.stations - station;
     out.first = station;
     out.wire = wire;
@@ -235,7 +289,7 @@ void BlockChain<V, B>::eliminate_point(
                 if (j > i) out.z[n][j] += (*inverse)[l] * y[i];
             }
         start = size > start ? size : start;
-        if (n > 1 && size < faded * start) {
+        if (n > 1 && size < kWindowFaded * start) {
             ++out.count;
             break;
         }

@@ -25,21 +25,26 @@ public:
     using Vector = V;
     static constexpr int kBlock = B;
 
-    explicit Preconditioner(const Layout& layout)
-        : layout_(layout), chain_(layout), tangent_(layout.rows), rotation_(layout.rows) {}
+    Preconditioner(const Layout& layout, std::size_t hangers)
+        : layout_(layout), chain_(layout), tangent_(layout.rows), rotation_(layout.rows),
+          hangers_(kHasHangers ? hangers : 0) {}
 
     BlockChain<V, B>& chain() { return chain_; }
     const BlockChain<V, B>& chain() const { return chain_; }
 
-    // Factor the blocks of a state; false when they are not positive definite.
-    bool factor(const Buffer<StationBlocks>& blocks, const Buffer<Row>& state) {
+    // Factor the blocks of a state; false when they are not positive definite. With B = 6 they are
+    // without droppers, whose stiffness in the matrix is `over_step` times their own.
+    bool factor(const Buffer<StationBlocks>& blocks, const Buffer<Row>& state, const Line& line,
+                double over_step) {
         for (int row = 0; row < layout_.rows; ++row)
             for (int g = 0; g < kGroups; ++g) {
                 unit(group(g, state[row][0] + 3, state[row][1] + 3), tangent_[row].t[g]);
                 for (V& component : rotation_[row].w[g]) component = broadcast<V>(0.0);
                 rotation_[row].scale[g] = broadcast<V>(0.5);
             }
-        return chain_.factor(blocks);
+        if (!chain_.factor(blocks)) return false;
+        if constexpr (kHasHangers) set_hangers(state, line, over_step);
+        return true;
     }
 
     // Set the rotation of a row from the reference tangents to those of the present slopes.
@@ -72,6 +77,19 @@ public:
             rotate(back, turn.scale[g], x + 6 * g + 3);
         }
         chain_.eliminate(row, x);
+    }
+
+    // Complete the forward elimination; `taut` says which droppers hold the wires together.
+    void finish_elimination([[maybe_unused]] const Buffer<Doubles>& taut) {
+        chain_.finish_elimination();
+        if constexpr (kHasHangers) {
+            for (std::size_t n = 0; n < hangers_.size(); ++n) {
+                const HangerColumn& hanger = hangers_[n];
+                const V own = chain_.respond(hanger.column);
+                const V both = own + other_wire(own);
+                chain_.add(hanger.column, -hanger.share * join(taut[n], taut[n]) * both);
+            }
+        }
     }
 
     // Solve for a row, from the last to the first; `largest` and `total` collect |x| of translations
@@ -116,6 +134,16 @@ private:
     struct Rotation {
         V w[kGroups][3], scale[kGroups];
     };
+    // Droppers of a row as rank-one parts of the matrix, all segments at once. Droppers are too far
+    // apart to feel each other within a time step.
+    struct HangerColumn {
+        RowColumn<V, B> column;
+        V share;  // 1/(1/stiffness + compliance)
+    };
+    static constexpr bool kHasHangers = B == 6;
+
+    void set_hangers(const Buffer<Row>& state, const Line& line, double over_step);
+
     struct Triple {
         V x[3];
     };
@@ -145,6 +173,30 @@ private:
     BlockChain<V, B> chain_;
     Buffer<Tangent> tangent_;
     Buffer<Rotation> rotation_;
+    Buffer<HangerColumn> hangers_;
 };
+
+template <class V, int B>
+void Preconditioner<V, B>::set_hangers(
+    const Buffer<Row>& state, const Line& line, double over_step) {
+    for (int row = 0; row < layout_.rows; ++row) {
+        if (line.hanger_of[row] < 0) continue;
+        const Hanger& hanger = line.hangers[line.hanger_of[row]];
+        HangerColumn& out = hangers_[line.hanger_of[row]];
+        const Doubles exists = is_positive(hanger.stiffness);
+        Doubles t[3];
+        for (int i = 0; i < 3; ++i) t[i] = state[row][1][i] - state[row][0][i];
+        const Doubles inverse = exists / square_root(dot(t, t));
+        V rhs[B];
+        for (int i = 0; i < 3; ++i) {
+            rhs[i] = join(-inverse * t[i], inverse * t[i]);
+            rhs[3 + i] = broadcast<V>(0.0);
+        }
+        chain_.eliminate_row(row, rhs, out.column);
+        const V own = out.column.response();
+        const V stiffness = join(over_step * hanger.stiffness, over_step * hanger.stiffness);
+        out.share = stiffness / (one() + stiffness * (own + other_wire(own)));
+    }
+}
 
 }  // namespace tautwire::TAUTWIRE_ISA

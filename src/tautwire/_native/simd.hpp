@@ -121,6 +121,20 @@ TAUTWIRE_INLINE V maximum(V a, V b) {
     return a;
 }
 
+template <class V>
+TAUTWIRE_INLINE double largest_lane(V x) {
+    double out = x[0];
+    for (int i = 1; i < kLanesOf<V>; ++i) out = out > x[i] ? out : static_cast<double>(x[i]);
+    return out;
+}
+
+// 1 where positive, 0 elsewhere.
+template <class V>
+TAUTWIRE_INLINE V is_positive(V x) {
+    for (int i = 0; i < kLanesOf<V>; ++i) x[i] = x[i] > 0 ? 1 : 0;
+    return x;
+}
+
 // The lanes of the contact wire, then those of the messenger wire, rounded to single precision.
 TAUTWIRE_INLINE Floats join(Doubles contact, Doubles messenger) {
 #if defined(__GNUC__)
@@ -167,6 +181,13 @@ TAUTWIRE_INLINE V to_previous_segment(V x) {
     V out = broadcast<V>(0.0);
     for (int i = 0; i < kLanesOf<V>; ++i)
         if (i % kLanes != kLanes - 1) out[i] = x[i + 1];
+    return out;
+}
+
+// Exchange the wires.
+TAUTWIRE_INLINE Floats other_wire(const Floats& x) {
+    Floats out;
+    for (int i = 0; i < 2 * kLanes; ++i) out[i] = x[(i + kLanes) % (2 * kLanes)];
     return out;
 }
 

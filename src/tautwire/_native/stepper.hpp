@@ -37,12 +37,12 @@ private:
 // A preconditioner and what belongs to its present factor.
 template <class V, int B>
 struct Solver {
-    explicit Solver(const Layout& layout) : matrix(layout) {}
+    Solver(const Layout& layout, std::size_t hangers) : matrix(layout, hangers) {}
     Preconditioner<V, B> matrix;
     ContactColumns<B> contacts;
 };
-using Apart = Solver<Floats, 6>;      // wires apart; the droppers' coupling lags by an iteration
-using Coupled = Solver<Doubles, 12>;  // wires together: stiff droppers, full Newton
+using Apart = Solver<Floats, 6>;      // wires apart, joined by the droppers' rank-one parts
+using Coupled = Solver<Doubles, 12>;  // wires in one factor, for full Newton
 
 class LineEngine final : public Engine {
 public:
@@ -58,7 +58,7 @@ public:
 
     // Factor the matrix of the static state.
     bool prepare() {
-        return scheme_.full_newton || factor(dynamic_factors(), sweeps_.line.position, scheme_.coupled, false);
+        return scheme_.full_newton || factor(dynamic_factors(), sweeps_.line.position, scheme_.coupled, Droppers::all);
     }
 
     int add_pantograph(const PantographData& data) override {
@@ -78,7 +78,7 @@ private:
     bool touch_all();
     template <class S>
     double iterate(S& solver, bool first);
-    bool factor(const Factors& factors, const Buffer<Row>& state, bool coupled, bool only_taut);
+    bool factor(const Factors& factors, const Buffer<Row>& state, bool coupled, Droppers droppers);
     bool factor_here(bool full_newton);
     Factors dynamic_factors() const {
         return {1.0, sweeps_.c.to_velocity, sweeps_.c.to_position};
@@ -186,16 +186,17 @@ double LineEngine::iterate(S& solver, bool fresh) {
 }
 
 inline bool LineEngine::factor(
-    const Factors& factors, const Buffer<Row>& state, bool coupled, bool only_taut) {
-    const Layout& layout = sweeps_.line.layout;
-    Buffer<StationBlocks> blocks(layout.stations);
-    Assembly(sweeps_.line, blocks).sum(factors, state, only_taut);
+    const Factors& factors, const Buffer<Row>& state, bool coupled, Droppers droppers) {
+    const Line& line = sweeps_.line;
+    Buffer<StationBlocks> blocks(line.layout.stations);
+    Assembly(line, blocks).sum(factors, state, coupled ? droppers : Droppers::none);
+    const double over_step = factors.stiffness + factors.damping * line.damping_stiffness;
     if (coupled) {
-        if (!coupled_) coupled_ = new Coupled(layout);
-        return coupled_->matrix.factor(blocks, state);
+        if (!coupled_) coupled_ = new Coupled(line.layout, line.hangers.size());
+        return coupled_->matrix.factor(blocks, state, line, over_step);
     }
-    if (!apart_) apart_ = new Apart(layout);
-    return apart_->matrix.factor(blocks, state);
+    if (!apart_) apart_ = new Apart(line.layout, line.hangers.size());
+    return apart_->matrix.factor(blocks, state, line, over_step);
 }
 
 inline bool LineEngine::factor_here(bool full_newton) {
@@ -206,7 +207,8 @@ inline bool LineEngine::factor_here(bool full_newton) {
             for (int i = 0; i < 6; ++i)
                 state[row][wire][i] = sweeps_.q_p[row][wire][i] + sweeps_.c.to_position * sweeps_.a[row][wire][i];
     ++counters_.refactorisations;
-    return factor(dynamic_factors(), state, full_newton || scheme_.coupled, full_newton);
+    return factor(dynamic_factors(), state, full_newton || scheme_.coupled,
+                  full_newton ? Droppers::taut : Droppers::all);
 }
 
 inline bool LineEngine::accept() {
@@ -238,7 +240,7 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     scatter(v, sweeps_.v_p);
     sweeps_.a = Buffer<Row>(layout.rows);
     sweeps_.known.copy_from(sweeps_.line.load);
-    if (!factor({1.0, 0.0, 0.0}, sweeps_.q_p, true, false)) return false;
+    if (!factor({1.0, 0.0, 0.0}, sweeps_.q_p, true, Droppers::none)) return false;
     const Coefficients c = sweeps_.c;
     sweeps_.c.to_position = sweeps_.c.to_velocity = 0.0;  // forces at q and v, whatever a is
     for (int n = 0; n < kRefinements; ++n) {

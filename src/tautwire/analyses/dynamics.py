@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
@@ -180,6 +181,7 @@ def iterate(
     return Simulation(model, shape, choices).blocks()
 
 
+@single_threaded
 def simulate(
     model: Model,
     shape: Equilibrium,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
@@ -19,6 +20,7 @@ from tautwire.status import Status
 Array = NDArray[np.float64]
 
 
+@single_threaded
 def elasticity(
     model: Model, shape: Equilibrium, *, force: float | None = None
 ) -> Elasticity:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.model.build import Model, arm_half_weight
 from tautwire.model.mesh import CONTACT, MESSENGER
@@ -23,6 +24,7 @@ _SMALLEST_PULL = 10.0
 _ACTIVE_SET_PASSES = 20
 
 
+@single_threaded
 def find_shape(model: Model) -> Equilibrium:
     """Find coordinates, unstrained lengths and support data of the static state.
 

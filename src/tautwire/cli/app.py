@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from tautwire.cli import high_frequency
 from tautwire.cli.options import (
     CaseArgument,
     FreeUpliftOption,
@@ -281,3 +282,6 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
         from tautwire.specs.json_schema import case_json_schema
 
         answer.document.update(case_json_schema())
+
+
+high_frequency.register(app)

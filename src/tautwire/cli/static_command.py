@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -32,12 +33,17 @@ def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: P
     case = load_case(reference, overrides)
     with nullcontext() if out is None else prepared_folder(out) as folder:
         answer.say(program(case.settings.backend))
+        begin = time.process_time()
         with Interrupts().handled():
             model = build(case)
             shape = find_shape(model)
+            found = time.process_time()
+            answer.say(f"shape found in {found - begin:.1f} s of CPU time; elasticity follows")
             elasticity = compute_elasticity(model, shape)
+        cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
         name = backend(case.settings.backend)
         answer.document.update(static_document(case, shape, elasticity, name, []))
+        answer.document["cost"] = {"dof": shape.position.size, **cost}
         answer.show(*static_view(case, shape, elasticity))
         if folder is not None:
             _write(answer, Files(folder), case, shape, elasticity)

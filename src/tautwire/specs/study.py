@@ -18,9 +18,9 @@ Scale = Literal["linear", "log"]
 
 
 def _number_or_text(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise ValueError(f"got {value!r}; expected a number, or a text with a unit")
-    return value
+    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        return value
+    raise ValueError(f"got {value!r}; expected a number, or a text with a unit")
 
 
 Value = Annotated[

@@ -203,11 +203,13 @@ def _holds_integers(target: Target) -> bool:
 
 
 def _drawn(study: Study, ends: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
-    """Draw the Latin hypercube of all axes with {low, high}."""
-    from scipy.stats import qmc
+    """Draw the Latin hypercube of all axes with {low, high}.
 
-    count = study.samples or 1
-    unit_cube = qmc.LatinHypercube(len(ends), seed=study.seed).random(count)
+    Each axis is cut into as many equal parts as there are samples, and every part is met once.
+    """
+    random, count = np.random.default_rng(study.seed), study.samples or 1
+    order = np.stack([random.permutation(count) for _ in ends], axis=1)
+    unit_cube = (order + random.random(order.shape)) / count
     drawn = {}
     for column, (path, pair) in zip(unit_cube.T, ends.items(), strict=True):
         numbers, unit, is_whole = _numbers(path, pair)

@@ -13,7 +13,7 @@ from typing import Any
 
 from tautwire import __version__
 from tautwire.errors import InputError
-from tautwire.studies.executor import Event, StudyStopped, save_row
+from tautwire.studies.executor import Event, StudyError, save_row
 from tautwire.studies.store import Store
 from tautwire.studies.task import Job, lost_row, perform
 
@@ -104,9 +104,8 @@ class DaskCluster:
 
     def _collect(self, key: str, future: Any) -> Event:
         """Write the row that came back."""
-        from distributed import KilledWorker
-        from distributed.client import CancelledError
-        from distributed.comm import CommClosedError
+        from distributed import CancelledError, KilledWorker
+        from distributed.comm.core import CommClosedError
 
         try:
             row, run_file = future.result(timeout=self._timeout)
@@ -117,15 +116,15 @@ class DaskCluster:
         except Exception as error:  # noqa: BLE001  raised by the remote machine, not by the case
             row, run_file = lost_row(f"its worker failed: {type(error).__name__}: {error}"), None
         if row["version"] != __version__:
-            raise StudyStopped(
+            raise StudyError(
                 f"the cluster at {self._address} computes with tautwire {row['version']}, this "
                 f"is {__version__}; install the same version on its workers"
             )
         save_row(self._store, key, row, run_file)
         return Event(key, "finished", row["status"], row["reason"])
 
-    def _gone(self, reason: str) -> StudyStopped:
-        return StudyStopped(_GONE.format(address=self._address, reason=reason))
+    def _gone(self, reason: str) -> StudyError:
+        return StudyError(_GONE.format(address=self._address, reason=reason))
 
     def _threads(self) -> int:
         if self._client is None:

@@ -64,5 +64,5 @@ COST = (
     Quantity("peak_memory_mb", "MB", "largest memory its worker had used until then"),
 )
 KNOWN = (*PER_FILTER, STD, *PER_PANTOGRAPH, *PER_CASE)
-NAMES = tuple(item.name for item in (*KNOWN, *COST)) + (PANTOGRAPH, FILTER, BAND)
+NAMES = (*(item.name for item in (*KNOWN, *COST)), PANTOGRAPH, FILTER, BAND)
 """Names that no axis may have."""

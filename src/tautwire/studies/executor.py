@@ -9,7 +9,7 @@ import sys
 import threading
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import IO, Any, Literal, Protocol
@@ -27,7 +27,7 @@ _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _FAILED_STARTS = 3
 
 
-class StudyStopped(TautwireError):
+class StudyError(TautwireError):
     """The study cannot go on (disk full, cluster gone); what is finished is kept."""
 
 
@@ -77,7 +77,7 @@ class Executor(Protocol):
 
         Raises
         ------
-        StudyStopped
+        StudyError
             When no more cases can be computed.
         """
         ...
@@ -199,7 +199,7 @@ class LocalWorkers:
     def _told(self, worker: _Worker, message: Mapping[str, Any]) -> Event | None:
         """Act on a message of a worker."""
         if message["event"] == UNWRITABLE:
-            raise StudyStopped(
+            raise StudyError(
                 f"{self._store.folder}: a finished case cannot be written ({message['reason']}); "
                 "make room or choose another folder, and start again with --resume"
             )
@@ -239,7 +239,7 @@ class LocalWorkers:
             return
         self._failed_starts += 1
         if self._failed_starts >= _FAILED_STARTS * self._count:
-            raise StudyStopped(
+            raise StudyError(
                 f"worker processes do not start (the last one {_how_it_ended(code)}); "
                 f"{self._store.folder / LOG} tells why: {_last_line(self._store.folder / LOG)}"
             )
@@ -250,13 +250,13 @@ def save_row(store: Store, key: str, row: Mapping[str, Any], run_file: bytes | N
 
     Raises
     ------
-    StudyStopped
+    StudyError
         When the disk is full or cannot be written to.
     """
     try:
         store.save(key, row, run_file)
     except OSError as error:
-        raise StudyStopped(
+        raise StudyError(
             f"{store.folder}: a finished case cannot be written ({error.strerror or error}); make "
             "room or choose another folder, and start again with --resume"
         ) from error

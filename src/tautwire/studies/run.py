@@ -123,7 +123,7 @@ def run_study(
     ------
     InputError
         When the study is at fault, or the folder holds results and `resume` is off.
-    StudyStopped
+    StudyError
         When no more cases can be computed or stored.
 
     Examples

@@ -17,8 +17,18 @@ from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, read_case_text
 from tautwire.inputs.paths import fields_by_key
 from tautwire.specs.base import ContradictionError, Spec
-from tautwire.specs.study import AXIS_FORMS, RANGE, SEEDS, SPREAD, VARIANTS, Range, Seeds, Spread
-from tautwire.specs.study import Study, Variants
+from tautwire.specs.study import (
+    AXIS_FORMS,
+    RANGE,
+    SEEDS,
+    SPREAD,
+    VARIANTS,
+    Range,
+    Seeds,
+    Spread,
+    Study,
+    Variants,
+)
 
 _SPECS: dict[str, type[Spec]] = {RANGE: Range, SPREAD: Spread, SEEDS: Seeds, VARIANTS: Variants}
 _AXIS = "a list, {from, to, step or count}, {low, high}, {seeds} or {variants}"

@@ -124,7 +124,7 @@ def find_task(name: str) -> Task:
 
 def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  # noqa: FBT001
     """Simulate the passage, mean force tuned where the case asks for it, and evaluate it."""
-    from tautwire.analyses.cutoff import missed_deviation
+    from tautwire.analyses.cutoff import advise_cutoff, missed_deviation
     from tautwire.analyses.pipeline import run_case
     from tautwire.analyses.statistics import contact_statistics
     from tautwire.signals.filters import Butterworth, SharpLowpass
@@ -132,7 +132,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
     run = run_case(case)
     statistics = contact_statistics(run)
     filters = {"sharp": SharpLowpass(), "butterworth": Butterworth(case.settings.filter_order)}
-    pantographs = []
+    pantographs, cutoff = [], advise_cutoff(case).frequency
     for entry in statistics.pantographs:
         loss = entry.contact_loss
         advised = {
@@ -156,7 +156,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "uplift_max": statistics.uplift.maximum,
         "dropper_force_max": _largest(statistics.droppers.maximum),
         "dropper_slack_longest": _largest(statistics.droppers.slack_time),
-        "advised_cutoff": next(iter(advised.values())).cutoff,
+        "advised_cutoff": cutoff,
         "steps": run.counters.get("steps"),
         "tuning_passes": run.counters.get("tuning_passes", 1),
         "backend": str(run.counters.get("backend", "")),

@@ -1,4 +1,4 @@
-"""A worker process: reads jobs from standard input, writes rows to disk, answers on standard output.
+"""A worker process: reads jobs from standard input, writes rows to disk, answers on its output.
 
 ``python -m tautwire.studies.worker FOLDER``. Every line is one JSON document. A finished case is on
 disk before it is reported, so nothing is lost when the process that started the worker dies; the

@@ -1,0 +1,118 @@
+// Forces of a row of elements, droppers and supports from the motion of its nodes.
+#pragma once
+
+#include "line.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+
+// Coordinates, velocities and what the mass acts on, a + (1 + alpha) a_R v, of the nodes of a row.
+struct Motion {
+    Row q, v, s;
+};
+
+// Forces on the left and the right nodes of a row of elements.
+struct Ends {
+    Doubles left[6], right[6];
+};
+
+// b_R K0 on the basis (d, sum, difference), both wires.
+struct Damping {
+    Floats k[kPacked];
+};
+
+// Add the damping forces of both wires to `f`.
+TAUTWIRE_INLINE void add_damping(
+    const Damping& damping, const Basis<Doubles> (&rate)[2], Basis<Doubles> (&f)[2]) {
+    Floats x[9], y[9];
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        x[i] = join(rate[0].d[i], rate[1].d[i]);
+        x[3 + i] = join(rate[0].sum[i], rate[1].sum[i]);
+        x[6 + i] = join(rate[0].difference[i], rate[1].difference[i]);
+    }
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 9; ++i) y[i] = damping.k[packed(i, i)] * x[i];
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 9; ++i)
+        TAUTWIRE_UNROLL
+        for (int j = i + 1; j < 9; ++j) {
+            y[i] += damping.k[packed(i, j)] * x[j];
+            y[j] += damping.k[packed(i, j)] * x[i];
+        }
+    TAUTWIRE_UNROLL
+    for (int wire = 0; wire < 2; ++wire)
+        TAUTWIRE_UNROLL
+        for (int i = 0; i < 3; ++i) {
+            f[wire].d[i] += widen(y[i], wire);
+            f[wire].sum[i] += widen(y[3 + i], wire);
+            f[wire].difference[i] += widen(y[6 + i], wire);
+        }
+}
+
+// Forces of one wire's elements on their nodes: minus `f` (per length, on the basis) and minus the
+// consistent mass times s, split into parts that are even and odd under exchange of the ends.
+TAUTWIRE_INLINE Ends wire_forces(const Element& element, const Basis<Doubles>& f,
+                                 const Doubles* s_left, const Doubles* s_right) {
+    Ends out;
+    const Doubles length = element.length, m = element.mass;
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        const Doubles sum = s_left[i] + s_right[i], difference = s_left[i] - s_right[i];
+        const Doubles slope_sum = length * (s_left[3 + i] + s_right[3 + i]);
+        const Doubles slope_difference = length * (s_left[3 + i] - s_right[3 + i]);
+        const Doubles even = m * (105.0 * sum + 17.5 * slope_difference);
+        const Doubles odd = m * (51.0 * difference + 4.5 * slope_sum) - f.d[i] + 2.0 * f.sum[i];
+        out.left[i] = -(odd + even);
+        out.right[i] = odd - even;
+        const Doubles moment = m * (4.5 * difference + 0.5 * slope_sum) + f.sum[i];
+        const Doubles twist = m * (17.5 * sum + 3.5 * slope_difference) + f.difference[i];
+        out.left[3 + i] = -length * (moment + twist);
+        out.right[3 + i] = length * (twist - moment);
+    }
+    return out;
+}
+
+// Axial force of droppers; they carry tension only.
+TAUTWIRE_INLINE Doubles dropper_force(const Hanger& hanger, Doubles length, Doubles rate) {
+    return maximum(broadcast<Doubles>(0.0),
+                   hanger.stiffness * (length - hanger.length) + hanger.damping * rate);
+}
+
+// Add dropper forces to the forces on the nodes of a row; return which droppers are taut (1 or 0).
+TAUTWIRE_INLINE Doubles add_hangers(const Hanger& hanger, const Motion& at, Row& r) {
+    Doubles t[3], rate[3];
+    for (int i = 0; i < 3; ++i) {
+        t[i] = at.q[1][i] - at.q[0][i];
+        rate[i] = at.v[1][i] - at.v[0][i];
+    }
+    const Doubles length = square_root(dot(t, t)), inverse = 1.0 / length;
+    for (Doubles& component : t) component *= inverse;
+    const Doubles axial = dropper_force(hanger, length, dot(t, rate));
+    for (int i = 0; i < 3; ++i) {
+        r[0][i] += axial * t[i];
+        r[1][i] -= axial * t[i];
+    }
+    return is_positive(axial);
+}
+
+// Add the forces of arms and springs, and clear those on held degrees of freedom.
+TAUTWIRE_INLINE void add_supports(const Support& support, const Motion& at, Row& r) {
+    Doubles t[3];
+    for (int i = 0; i < 3; ++i) t[i] = at.q[0][i] - support.arm_end[i];
+    const Doubles length = square_root(dot(t, t));
+    const Doubles tension = support.arm_stiffness * (length - support.arm_length) / length;
+    const Doubles* k = support.arm_damping;
+    const Doubles* v = at.v[0];
+    r[0][0] -= tension * t[0] + k[0] * v[0] + k[1] * v[1] + k[2] * v[2];
+    r[0][1] -= tension * t[1] + k[1] * v[0] + k[3] * v[1] + k[4] * v[2];
+    r[0][2] -= tension * t[2] + k[2] * v[0] + k[4] * v[1] + k[5] * v[2];
+    for (int wire = 0; wire < 2; ++wire)
+        for (int i = 0; i < 6; ++i) {
+            r[wire][i] -= support.spring_stiffness[wire][i] *
+                              (at.q[wire][i] - support.spring_free[wire][i]) +
+                          support.spring_damping[wire][i] * at.v[wire][i];
+            r[wire][i] *= support.free[wire][i];
+        }
+}
+
+}  // namespace tautwire::TAUTWIRE_ISA

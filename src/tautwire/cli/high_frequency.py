@@ -1,0 +1,119 @@
+"""The commands of the high-frequency programme: ``study``, ``modes`` and ``advise``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tautwire.cli.options import CaseArgument, JsonOption, OutFolderOption, SetOption
+from tautwire.cli.session import answering
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line.
+
+    Parameters
+    ----------
+    app
+    """
+    app.command()(modes)
+    app.command()(study)
+    app.command()(advise)
+
+
+def modes(
+    case: CaseArgument,
+    near: Annotated[
+        float | None,
+        typer.Option(
+            "--near", metavar="HZ", help="Target frequency; 45 Hz by default.", show_default=False
+        ),
+    ] = None,
+    count: Annotated[
+        int | None,
+        typer.Option("--count", metavar="N", help="Number of modes.", show_default=False),
+    ] = None,
+    wavelength: Annotated[
+        str | None,
+        typer.Option(
+            "--wavelength",
+            metavar="LENGTH",
+            help='Search the modes sensitive to a wavelength: "2.875 m", or DD/2, SD/2, DD/4, '
+            "SD/4 (parts of the dropper interval and of the distance from support to dropper).",
+            show_default=False,
+        ),
+    ] = None,
+    overrides: SetOption = None,
+    out: OutFolderOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find modes of vibration, ranked by the vertical motion of the contact wire."""
+    with answering(as_json) as answer:
+        from tautwire.cli.modes_command import ModesRequest, find_modes
+
+        request = ModesRequest(case, overrides or [], near, count, wavelength, out)
+        find_modes(answer, request)
+
+
+def study(
+    study_file: Annotated[
+        Path, typer.Argument(metavar="STUDY", help="Study file (YAML, TOML or JSON).")
+    ],
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            metavar="N",
+            help="Worker processes on this machine; one per core by default.",
+            show_default=False,
+        ),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            "--cluster",
+            metavar="ADDRESS",
+            help='Compute on a Dask cluster, as in "tcp://host:8786".',
+            show_default=False,
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Keep the cases that are finished in the folder.")
+    ] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="With --resume: compute failed cases again.")
+    ] = False,
+    out: OutFolderOption = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Compute a study: a base case with values that vary; one table and one report.
+
+    Every finished case is on disk at once. Whatever stops the study, --resume goes on with it.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.study_command import StudyRequest, run_study_file
+        from tautwire.studies.run import Options
+
+        options = Options(resume=resume or retry_failed, retry_failed=retry_failed)
+        run_study_file(answer, StudyRequest(study_file, workers, cluster, options, out))
+
+
+def advise(
+    case: CaseArgument,
+    band: Annotated[
+        float, typer.Option("--band", metavar="HZ", help="Upper end of the band of interest.")
+    ] = 200.0,
+    overrides: SetOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Advise on mesh, contact stiffness and cut-off for high frequencies.
+
+    The line's own lengths and when they are passed, the element lengths, the cut-off that covers
+    a quarter of the shortest interval, and the contact stiffness that keeps head and wire together.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.advise_command import give_advice
+
+        give_advice(answer, case, overrides or [], band)
