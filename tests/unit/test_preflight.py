@@ -52,6 +52,7 @@ def test_sampling() -> None:
     """A step of 5 ms leaves nothing from 100 Hz on."""
     advice = _advice(settings__time_step="5 ms")
     assert "nothing from 100 Hz on" in str(advice["note", "time step"])
+    assert ("refused", "time step") in _advice(settings__time_step="25 ms")
 
 
 def test_ends_of_line() -> None:
@@ -93,6 +94,13 @@ def test_memory() -> None:
     text = str(_advice(scenario__speed="0.1 km/h")["warning", "memory"])
     assert "3.4e+07 steps" in text
     assert "GB of memory" in text
+
+
+def test_section_up_to_the_end() -> None:
+    """A passage ends before the line does; a section that reaches the end is refused."""
+    text = str(_advice(settings__section=[4, 17])["refused", "line too short"])
+    assert "ends 5 m before the end of the line" in text
+    assert "settings.section" in text
 
 
 def test_as_dict() -> None:

@@ -111,8 +111,8 @@ def test_roof_motion_moves_the_force(integrator: Integrator) -> None:
     forces = []
     for given in (None, roof):
         panto = PantographInput(chain, 0.0, 5.0, 0.0, 0.0, 120.0, 0.1, given)
-        run = stepper(rigid_wire(), 4e-3, pantographs=(panto,), integrator=integrator)
-        forces.append(run.advance(450).contact_force[-1, 0])
+        run = stepper(rigid_wire(), 8e-3, pantographs=(panto,), integrator=integrator)
+        forces.append(run.advance(225).contact_force[-1, 0])
     above = 1.0 / 2e5 + 1.0 / 7000.0 + 1.0 / 15500.0
     assert forces[0] == pytest.approx(120.0 / (1.0 + 160.0 * above), rel=1e-4)
     assert forces[1] - forces[0] == pytest.approx(0.05 / (1.0 / 160.0 + above), rel=1e-3)

@@ -15,12 +15,18 @@ from tautwire.specs.case import Case
 from ..lines import ac_simple, entering, moved, passage, stepper
 
 Array = NDArray[np.float64]
-BEHIND, STEPS = 40.0, 540
+BEHIND, STEPS = 20.0, 400
 
 
 def train(count: int, **changes: Any) -> Case:
-    """Return two spans with one or two pantographs 40 m apart."""
-    case = ac_simple(**{"line__spans": 2, "settings__section": (1, 1), **changes})
+    """Return two spans with one or two pantographs 20 m apart at 216 km/h."""
+    given = {
+        "line__spans": 2,
+        "settings__section": (1, 1),
+        "settings__contact_stiffness": 5e4,
+        "scenario__speed": 60.0,
+    }
+    case = ac_simple(**{**given, **changes})
     front = case.pantographs[0]
     rear = front.with_(name="rear", behind=BEHIND)
     return case.with_(pantographs=(front, rear)[:count])
@@ -49,19 +55,21 @@ def test_leading_force_is_that_of_the_single_run_until_the_other_touches() -> No
     touched = int(np.flatnonzero(together().contact_force[:, 1] > 0.0)[0])
     assert together().time[touched] >= entry_time()
     assert np.array_equal(together().contact_force[:touched, 0], alone().contact_force[:touched, 0])
-    assert touched > 450
+    assert touched > 320
+    assert alone().contact_force[touched - 100 : touched].min() > 1.0
 
 
 def test_leading_force_until_the_first_wave_can_arrive() -> None:
-    """The first wave that can arrive is a longitudinal one, sqrt(EA/m) = 3.3 km/s, 12 ms for
-    40 m. Until then the leading force differs by less than 0.05 N, and not by nothing only because
+    """The first wave that can arrive is a longitudinal one, sqrt(EA/m) = 3.3 km/s, 6 ms for
+    20 m. Until then the leading force differs by less than 0.01 N, and not by nothing only because
     an implicit step is felt everywhere."""
     touched = int(np.flatnonzero(together().contact_force[:, 1] > 0.0)[0])
     wave = BEHIND / np.sqrt(15e6 / 1.35)
     before = together().time < together().time[touched] + wave
     change = np.abs(together().contact_force - alone().contact_force[:, :1])[before, 0]
-    assert change[touched:].size >= 11
-    assert change.max() < 0.05
+    assert change[touched:].size >= 5
+    assert alone().contact_force[before][touched:].min() > 10.0
+    assert change.max() < 0.01
 
 
 def test_trailing_pantograph_has_its_own_history() -> None:
@@ -83,7 +91,14 @@ def test_vanishing_second_pantograph_changes_nothing() -> None:
     system, (front, rear) = entering(train(2))
     low = moved(rear, start_height=rear.start_height - 0.3, uplift_force=-50.0)
     wire = 6 * system.contact_nodes[::20] + 2
-    run = stepper(system, 1e-3, pantographs=(front, low), tolerance=1e-11, observed=wire)
+    run = stepper(
+        system,
+        1e-3,
+        pantographs=(front, low),
+        tolerance=1e-11,
+        observed=wire,
+        contact_stiffness=5e4,
+    )
     both, one = run.advance(STEPS), alone()
     assert (both.contact_force[:, 1] == 0.0).all()
     assert np.abs(both.contact_force[:, 0] - one.contact_force[:, 0]).max() <= 1e-9

@@ -9,17 +9,6 @@ namespace tautwire::TAUTWIRE_ISA {
 inline constexpr double kMass[4][4] = {
     {156, 22, 54, -13}, {22, 4, 13, -3}, {54, 13, 156, -22}, {-13, -3, -22, 4}};
 
-TAUTWIRE_INLINE Basis<Doubles> basis_of(
-    const Doubles* left, const Doubles* right, Doubles inverse_length) {
-    Basis<Doubles> e;
-    for (int i = 0; i < 3; ++i) {
-        e.d[i] = (right[i] - left[i]) * inverse_length;
-        e.sum[i] = left[i + 3] + right[i + 3] - 2.0 * e.d[i];
-        e.difference[i] = left[i + 3] - right[i + 3];
-    }
-    return e;
-}
-
 // Coordinates (r1, r1', r2, r2') of the elements behind `row` of one wire.
 inline void element_nodes(const Line& line, const Buffer<Row>& state, int row, int wire,
                           Doubles (&left)[6], Doubles (&right)[6]) {
@@ -33,16 +22,16 @@ inline void element_nodes(const Line& line, const Buffer<Row>& state, int row, i
         right[i][kLanes - 1] = i % 3 == 0 ? left[i][kLanes - 1] + (i == 0) : left[i][kLanes - 1];
 }
 
-// Expand a packed tangent on the basis to nodal coordinates (r1, r1', r2, r2').
+// Expand a packed tangent to nodal coordinates (r1, r1', r2, r2').
 inline void nodal_tangent(const Doubles (&packed_tangent)[kPacked], const Element& element,
                           Doubles (&out)[12][12]) {
-    const Doubles zero = broadcast<Doubles>(0.0), one = broadcast<Doubles>(1.0);
-    const Doubles inverse = element.inverse_length;
-    // Coefficients of the nodal vectors in (d, sum, difference).
-    const Doubles map[4][3] = {{-inverse, 2.0 * inverse, zero},
-                               {zero, one, one},
-                               {inverse, -2.0 * inverse, zero},
-                               {zero, one, -one}};
+    const Doubles zero = broadcast<Doubles>(0.0), d = 1.5 * element.inverse_length;
+    const auto number = [](double value) { return broadcast<Doubles>(value); };
+    // What the nodal vectors contribute to the coefficients of the parabola.
+    const Doubles map[4][3] = {{-d, zero, d},
+                               {number(-0.25), number(-0.5), number(0.75)},
+                               {d, zero, -d},
+                               {number(-0.25), number(0.5), number(0.75)}};
     for (int row = 0; row < 12; ++row)
         for (int column = row; column < 12; ++column) {
             Doubles entry = zero;
@@ -84,9 +73,9 @@ private:
         const Element& element = line_.element[2 * row + wire];
         Doubles left[6], right[6], tangent[kPacked], part[kPacked];
         element_nodes(line_, state, row, wire, left, right);
-        elastic_tangent(basis_of(left, right, element.inverse_length), element.stiffness, tangent);
+        elastic_tangent(parabola(left, right, element.inverse_length), element.stiffness, tangent);
         element_nodes(line_, line_.position, row, wire, left, right);
-        elastic_tangent(basis_of(left, right, element.inverse_length), element.stiffness, part);
+        elastic_tangent(parabola(left, right, element.inverse_length), element.stiffness, part);
         const double c = factors.damping * line_.damping_stiffness;
         for (int i = 0; i < kPacked; ++i) tangent[i] = factors.stiffness * tangent[i] + c * part[i];
         Doubles k[12][12];

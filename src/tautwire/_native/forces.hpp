@@ -15,21 +15,17 @@ struct Ends {
     Doubles left[6], right[6];
 };
 
-// b_R K0 on the basis (d, sum, difference), both wires.
+// b_R K0 on the coefficients of the parabola, both wires.
 struct Damping {
     Floats k[kPacked];
 };
 
 // Add the damping forces of both wires to `f`.
 TAUTWIRE_INLINE void add_damping(
-    const Damping& damping, const Basis<Doubles> (&rate)[2], Basis<Doubles> (&f)[2]) {
+    const Damping& damping, const Parabola<Doubles> (&rate)[2], Parabola<Doubles> (&f)[2]) {
     Floats x[9], y[9];
     TAUTWIRE_UNROLL
-    for (int i = 0; i < 3; ++i) {
-        x[i] = join(rate[0].d[i], rate[1].d[i]);
-        x[3 + i] = join(rate[0].sum[i], rate[1].sum[i]);
-        x[6 + i] = join(rate[0].difference[i], rate[1].difference[i]);
-    }
+    for (int i = 0; i < 9; ++i) x[i] = join(rate[0].c[i / 3][i % 3], rate[1].c[i / 3][i % 3]);
     TAUTWIRE_UNROLL
     for (int i = 0; i < 9; ++i) y[i] = damping.k[packed(i, i)] * x[i];
     TAUTWIRE_UNROLL
@@ -42,16 +38,12 @@ TAUTWIRE_INLINE void add_damping(
     TAUTWIRE_UNROLL
     for (int wire = 0; wire < 2; ++wire)
         TAUTWIRE_UNROLL
-        for (int i = 0; i < 3; ++i) {
-            f[wire].d[i] += widen(y[i], wire);
-            f[wire].sum[i] += widen(y[3 + i], wire);
-            f[wire].difference[i] += widen(y[6 + i], wire);
-        }
+        for (int i = 0; i < 9; ++i) f[wire].c[i / 3][i % 3] += widen(y[i], wire);
 }
 
-// Forces of one wire's elements on their nodes: minus `f` (per length, on the basis) and minus the
-// consistent mass times s, split into parts that are even and odd under exchange of the ends.
-TAUTWIRE_INLINE Ends wire_forces(const Element& element, const Basis<Doubles>& f,
+// Forces of one wire's elements on their nodes: minus `f` (per length, on the parabola) and minus
+// the consistent mass times s, split into parts that are even and odd under exchange of the ends.
+TAUTWIRE_INLINE Ends wire_forces(const Element& element, const Parabola<Doubles>& f,
                                  const Doubles* s_left, const Doubles* s_right) {
     Ends out;
     const Doubles length = element.length, m = element.mass;
@@ -61,13 +53,14 @@ TAUTWIRE_INLINE Ends wire_forces(const Element& element, const Basis<Doubles>& f
         const Doubles slope_sum = length * (s_left[3 + i] + s_right[3 + i]);
         const Doubles slope_difference = length * (s_left[3 + i] - s_right[3 + i]);
         const Doubles even = m * (105.0 * sum + 17.5 * slope_difference);
-        const Doubles odd = m * (51.0 * difference + 4.5 * slope_sum) - f.d[i] + 2.0 * f.sum[i];
+        const Doubles odd = m * (51.0 * difference + 4.5 * slope_sum) - 1.5 * (f.c[0][i] - f.c[2][i]);
         out.left[i] = -(odd + even);
         out.right[i] = odd - even;
-        const Doubles moment = m * (4.5 * difference + 0.5 * slope_sum) + f.sum[i];
-        const Doubles twist = m * (17.5 * sum + 3.5 * slope_difference) + f.difference[i];
-        out.left[3 + i] = -length * (moment + twist);
-        out.right[3 + i] = length * (twist - moment);
+        const Doubles mean =
+            m * (4.5 * difference + 0.5 * slope_sum) - 0.25 * f.c[0][i] + 0.75 * f.c[2][i];
+        const Doubles skew = m * (17.5 * sum + 3.5 * slope_difference) - 0.5 * f.c[1][i];
+        out.left[3 + i] = -length * (mean + skew);
+        out.right[3 + i] = length * (skew - mean);
     }
     return out;
 }

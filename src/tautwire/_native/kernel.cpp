@@ -28,7 +28,7 @@ struct Cables {
         }
         const Doubles l = lanes_of(length, first), inverse = 1.0 / l;
         const Stiffness<Doubles> stiffness = {lanes_of(axial, first),
-                                              lanes_of(bending, first) * inverse * inverse};
+                                              4.0 * lanes_of(bending, first) * inverse * inverse};
         return {l, inverse, stiffness, broadcast<Doubles>(0.0)};
     }
 
@@ -44,19 +44,15 @@ void cable_force(int n, const double* e, const double* length, const double* axi
                  const double* bending, double* out) {
     const Cables cables{e, length, axial, bending, n};
     for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
-        Doubles left[6], right[6], q[12];
+        Doubles left[6], right[6];
+        const Doubles still[6] = {};
         const Element element = cables.load(first, left, right);
-        const Basis<Doubles> f =
-            elastic_force(basis_of(left, right, element.inverse_length), element.stiffness);
-        for (int i = 0; i < 3; ++i) {
-            q[6 + i] = f.d[i] - 2.0 * f.sum[i];
-            q[i] = -q[6 + i];
-            q[3 + i] = element.length * (f.sum[i] + f.difference[i]);
-            q[9 + i] = element.length * (f.sum[i] - f.difference[i]);
-        }
+        const Parabola<Doubles> f =
+            elastic_force(parabola(left, right, element.inverse_length), element.stiffness);
+        const Ends ends = wire_forces(element, f, still, still);
         for (int k = 0; k < 12; ++k)
             for (int lane = 0; lane < cables.lanes(first); ++lane)
-                out[k * cables.n + first + lane] = q[k][lane];
+                out[k * cables.n + first + lane] = k < 6 ? -ends.left[k][lane] : -ends.right[k - 6][lane];
     }
 }
 
@@ -66,7 +62,7 @@ void cable_tangent(int n, const double* e, const double* length, const double* a
     for (std::ptrdiff_t first = 0; first < n; first += kLanes) {
         Doubles left[6], right[6], packed_tangent[kPacked], k[12][12];
         const Element element = cables.load(first, left, right);
-        elastic_tangent(basis_of(left, right, element.inverse_length), element.stiffness, packed_tangent);
+        elastic_tangent(parabola(left, right, element.inverse_length), element.stiffness, packed_tangent);
         nodal_tangent(packed_tangent, element, k);
         for (int i = 0; i < 144; ++i)
             for (int lane = 0; lane < cables.lanes(first); ++lane)

@@ -88,7 +88,7 @@ inline void Line::set_elements(const LineData& data) {
             e.inverse_length[lane] = 1.0 / length;
             e.stiffness.axial[lane] = exists ? weight * data.axial_stiffness[i] : 0.0;
             e.stiffness.bending[lane] =
-                exists ? weight * data.bending_stiffness[i] / (length * length) : 0.0;
+                exists ? 4.0 * weight * data.bending_stiffness[i] / (length * length) : 0.0;
             e.mass[lane] = exists ? data.mass[i] * length / 420.0 : 0.0;
         }
 }

@@ -68,7 +68,7 @@ inline void Sweeps::set_damping(int row) {
         Doubles left[6], right[6];
         element_nodes(line, line.position, row, wire, left, right);
         elastic_tangent(
-            basis_of(left, right, element.inverse_length), element.stiffness, tangent[wire]);
+            parabola(left, right, element.inverse_length), element.stiffness, tangent[wire]);
     }
     for (int i = 0; i < kPacked; ++i)
         damping_[row].k[i] = join(line.damping_stiffness * tangent[0][i],
@@ -106,12 +106,12 @@ TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
 TAUTWIRE_INLINE void Sweeps::wires(
     int row, const Motion& left, const Motion& right, Ends (&out)[2]) const {
     const Element* element = &line.element[2 * row];
-    Basis<Doubles> f[2], rate[2];
+    Parabola<Doubles> f[2], rate[2];
     for (int wire = 0; wire < 2; ++wire) {
         const Doubles inverse = element[wire].inverse_length;
         f[wire] = elastic_force(
-            basis_of(left.q[wire], right.q[wire], inverse), element[wire].stiffness);
-        rate[wire] = basis_of(left.v[wire], right.v[wire], inverse);
+            parabola(left.q[wire], right.q[wire], inverse), element[wire].stiffness);
+        rate[wire] = parabola(left.v[wire], right.v[wire], inverse);
     }
     add_damping(damping_[row], rate, f);
     for (int wire = 0; wire < 2; ++wire)
@@ -169,8 +169,7 @@ void Sweeps::eliminate(P& preconditioner) {
 
 inline void Sweeps::inertia(Buffer<Row>& out) const {
     const int rows = line.layout.rows;
-    Basis<Doubles> none;
-    std::memset(static_cast<void*>(&none), 0, sizeof(none));
+    const Parabola<Doubles> none = {};
     for (int row = 0; row < rows; ++row)
         for (int wire = 0; wire < 2; ++wire)
             for (int i = 0; i < 6; ++i)

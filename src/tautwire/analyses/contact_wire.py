@@ -53,7 +53,8 @@ class EvenPoints:
         -------
         (..., n_point)
         """
-        nodes = vectors.reshape(*vectors.shape[:-1], -1, 2, 2, 3)[..., 0, :, direction]
+        stations = vectors.shape[-1] // 12
+        nodes = vectors.reshape(*vectors.shape[:-1], stations, 2, 2, 3)[..., 0, :, direction]
         left, right = nodes[..., self.element, :], nodes[..., self.element + 1, :]
         ends = np.concatenate([left, right], axis=-1)
         return np.einsum("...pi,pi->...p", ends, self.rows)

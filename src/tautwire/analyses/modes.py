@@ -285,7 +285,7 @@ def _slice(vibration: Vibration, low: float, high: float, number: int) -> Pairs:
 def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs) -> Modes:
     """Describe found modes: shapes, energy shares, wavelengths, checks."""
     points = even_points(shape)
-    nodes = pairs.vectors.reshape(len(pairs.values), -1, 2, 2, 3)
+    nodes = pairs.vectors.reshape(len(pairs.values), vibration.size // 12, 2, 2, 3)
     group = np.tile(np.arange(3), vibration.size // 3)
     group += 3 * (np.arange(vibration.size) // 6 % 2)
     contact_z = points.values(pairs.vectors)

@@ -47,6 +47,7 @@ def conventions(case: Case, backend: str, integrator: str | None = None) -> dict
     return {
         "closure": case.supports.closure,
         "ends": ends.left if ends.left == ends.right else {"left": ends.left, "right": ends.right},
+        "arm_motion": None if case.supports.closure == "spring" else case.supports.arm.motion,
         "messenger_longitudinal": case.supports.messenger_longitudinal,
         "nodes_between_droppers": settings.nodes_between_droppers,
         "time_step_s": settings.time_step,

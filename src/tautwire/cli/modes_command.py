@@ -148,10 +148,10 @@ def _view(case: Case, lengths: LineLengths, found: Modes, wavelength: float | No
         )
     parts: list[Any] = [heading(case.title or case.name, detail)]
     if len(found.frequencies):
-        heads = ("frequency\n[Hz]", "wavelength\n[m]", "", "contact\nvertical", "contact\nlateral",
-                 "messenger\nvertical", "messenger\nlateral", "residual")  # fmt: skip
+        heads = ("frequency\n[Hz]", "wavelength\n[m]", "", "contact\nvertical",
+                 "contact\nlateral", "messenger\nvertical", "messenger\nlateral")  # fmt: skip
         rows = [_row(found, i, lengths) for i in found.ranked().tolist()]
-        parts.append(table(heads, "rrlrrrrr", rows))
+        parts.append(table(heads, "rrlrrrr", rows))
     else:
         parts.append("no mode of the searched band is sensitive to this wavelength")
     searched = " (all searched)" if wavelength is not None else ""
@@ -179,7 +179,6 @@ def _row(found: Modes, at: int, lengths: LineLengths) -> tuple[str, ...]:
         y,
         messenger[2],
         messenger[1],
-        f"{found.residuals[at]:.0e}",
     )
 
 

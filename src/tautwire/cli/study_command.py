@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -210,23 +211,28 @@ def _window(found: StudyTable) -> str:
 
 def _case_table(found: StudyTable) -> Any:
     axes = [(axis, *readable_axis(axis)) for axis in found.axes]
-    bands = found.labels["band"]
-    chosen = [band for band in ("0_20", "0_200") if band in bands]
+    bands = [band for band in ("0_20", "0_200") if band in found.labels["band"]]
     rows = []
     for index in list(np.ndindex(*found.status.shape))[:MOST_ROWS]:
         places = dict(zip(found.names, index, strict=True))
         where = {a.name: places[d.name] for d in found.dimensions for a in d.axes}
         values = [values[where[axis.name]] for axis, _, values in axes]
-        leading = (*index, 0, 0)
-        cells = [number(float(found[name].values[leading])) for name in ("mean",)]
-        cells += [number(float(found["std"].values[(*leading, bands.index(b))])) for b in chosen]
-        cells += [number(float(found[n].values[leading])) for n in ("maximum", "minimum")]
         shown = [f"{v:g}" if isinstance(v, float) else str(v) for v in values]
-        rows.append((*shown, str(found.status[index]), *cells))
-    heads = [title.replace(" [", "\n[") for _, title, _ in axes]
-    names = [f"σ {band.replace('_', '-')}" for band in chosen]
-    return table((*heads, "", "mean", *names, "max", "min"),
-                 "r" * len(axes) + "l" + "r" * (3 + len(chosen)), rows)  # fmt: skip
+        if found.status[index] != "done":
+            rows.append((*shown, str(found.status[index]), *[""] * (2 + len(bands))))
+            continue
+        rows.append((*shown, *_forces(found, (*index, 0, 0), bands)))
+    heads = [title.replace(" ", "\n") for _, title, _ in axes]
+    names = [f"σ\n{band.replace('_', '-')}" for band in bands]
+    return table((*heads, "mean", *names, "max", "min"), "r" * (len(axes) + 3 + len(bands)), rows)
+
+
+def _forces(found: StudyTable, leading: tuple[int, ...], bands: Sequence[str]) -> list[str]:
+    """Return mean, standard deviations and extremes of the leading pantograph."""
+    at = found.labels["band"].index
+    deviations = [float(found["std"].values[(*leading, at(band))]) for band in bands]
+    mean, high, low = (float(found[n].values[leading]) for n in ("mean", "maximum", "minimum"))
+    return [number(value) for value in (mean, *deviations, high, low)]
 
 
 class StudyWatch:

@@ -77,7 +77,7 @@ def preflight(case: Case) -> tuple[Advice, ...]:
         Most severe first; empty when there is nothing to say.
     """
     found = [
-        *_trailing_pantograph(case),
+        *_end_of_passage(case),
         *_speed(case),
         *_start_of_section(case),
         *_ends_of_line(case),
@@ -113,21 +113,25 @@ def _interval_range(case: Case) -> tuple[float, float]:
     return min(gaps), max(gaps)
 
 
-def _trailing_pantograph(case: Case) -> Iterator[Advice]:
-    """Tell that the last pantograph is still in the section when the leading one has arrived."""
+def _end_of_passage(case: Case) -> Iterator[Advice]:
+    """Tell that a pantograph is still in the section when the passage ends."""
     first, last = case.resolved_section()
-    way = _way_through_section(case)
+    way, start = _way_through_section(case), case.settings.start
     behind = case.pantographs[-1].behind
-    missing = way + behind - (case.line.length() - case.settings.start)
-    if missing > 1e-9:
-        yield Advice(
-            "line too short",
-            "refused",
+    missing = way + behind - (case.line.length() - start)
+    if missing <= 1e-9:
+        return
+    spans = f"the analysed section (spans {first} to {last})"
+    cure = "add spans (line.spans) or end the section earlier (settings.section)"
+    if way > case.line.length() - start:
+        text = f"the passage ends {start:g} m before the end of the line, and {spans} lies beyond"
+    else:
+        text = (
             f"when the leading pantograph reaches the end of the line, pantograph "
             f"{case.pantographs[-1].name!r}, {behind:g} m behind, is still {missing:.0f} m inside "
-            f"the analysed section (spans {first} to {last})",
-            "add spans (line.spans) or end the section earlier (settings.section)",
+            f"{spans}"
         )
+    yield Advice("line too short", "refused", text, cure)
 
 
 def _way_through_section(case: Case) -> float:
@@ -274,7 +278,7 @@ def _sampling(case: Case) -> Iterator[Advice]:
     if nyquist <= WIDEST_BAND:
         yield Advice(
             "time step",
-            "warning" if nyquist <= HEADLINE_CUTOFF else "note",
+            "refused" if nyquist <= HEADLINE_CUTOFF else "note",
             f"with {1e3 * case.settings.time_step:g} ms the record holds nothing from "
             f"{nyquist:.4g} Hz on; bands that reach it have no value",
             f"settings.time_step below {500.0 / WIDEST_BAND:g} ms for all bands",

@@ -9,7 +9,7 @@ longer one, which overrates the stiff directions by up to ``s = (dt/g)^2 > 0.7``
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, log2
 from typing import Any
 
@@ -23,8 +23,11 @@ from tautwire.numerics.system import System, TangentParts, lumped_mass, mass_par
 
 Array = NDArray[Any]
 
+MOST_FACTORS = 12
+"""Factors that are kept; the one not used for longest goes first."""
+
 _STEPS_PER_OCTAVE = 4
-_MOST_FACTORS = 12
+_SAME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,33 @@ class LineMatrices:
         return self.pattern.upper_band(values, self._lumped + c * self._lumped_damping)
 
 
+@dataclass(frozen=True)
+class FactorPlace:
+    """Which kept factor serves a time step.
+
+    Attributes
+    ----------
+    number : int
+        j of the factored step ``dt_0 2^(-j/4)``.
+    factored_step : float s
+        At least the step itself.
+    scale : float
+        Makes up for the longer step: ``2/(1 + (dt/g)^2)``.
+    """
+
+    number: int
+    factored_step: float
+    scale: float
+
+
+def factor_place(time_step: float, base_step: float) -> FactorPlace:
+    """Return which factor serves a step [s], given the step ``dt_0`` [s]."""
+    number = floor(_STEPS_PER_OCTAVE * log2(base_step / time_step) + _SAME)
+    factored = base_step * 2.0 ** (-number / _STEPS_PER_OCTAVE)
+    share = (time_step / factored) ** 2
+    return FactorPlace(number, factored, 1.0 if share > 1.0 - _SAME else 2.0 / (1.0 + share))
+
+
 @dataclass(frozen=True, eq=False)
 class StepFactor:
     """A factored matrix, the state it belongs to, and what it is multiplied with.
@@ -143,26 +173,23 @@ class StepFactors:
 
         None when the matrix is not positive definite.
         """
-        number = floor(_STEPS_PER_OCTAVE * log2(self._base / time_step) + 1e-9)
-        at = self._base * 2.0 ** (-number / _STEPS_PER_OCTAVE)
-        if number not in self._kept:
-            made = self.make(self._system.position, at)
+        place = factor_place(time_step, self._base)
+        if place.number not in self._kept:
+            made = self.make(self._system.position, place.factored_step)
             if made is None:
                 return None
-            self._keep(number, made)
-        self._kept.move_to_end(number)
-        kept, s = self._kept[number], (time_step / at) ** 2
-        if s > 1.0 - 1e-9:
-            return kept
-        return StepFactor(kept.cholesky, kept.tangents, 2.0 / (1.0 + s))
+            self._keep(place.number, made)
+        self._kept.move_to_end(place.number)
+        return replace(self._kept[place.number], scale=place.scale)
 
     def renew(self, q: Array, time_step: float) -> StepFactor | None:
-        """Return the exact factor of a step at state ``q``; kept when the step is a kept one."""
-        made = self.make(q, time_step)
-        number = _STEPS_PER_OCTAVE * log2(self._base / time_step)
-        if made is not None and abs(number - round(number)) < 1e-9:
-            self._keep(round(number), made)
-        return made
+        """Return the factor that serves a step, made anew at state ``q`` and kept."""
+        place = factor_place(time_step, self._base)
+        made = self.make(q, place.factored_step)
+        if made is None:
+            return None
+        self._keep(place.number, made)
+        return replace(made, scale=place.scale)
 
     def make(
         self, q: Array, time_step: float, taut: NDArray[np.bool_] | None = None
@@ -179,5 +206,5 @@ class StepFactors:
     def _keep(self, number: int, factor: StepFactor) -> None:
         self._kept[number] = factor
         self._kept.move_to_end(number)
-        if len(self._kept) > _MOST_FACTORS:
+        if len(self._kept) > MOST_FACTORS:
             self._kept.popitem(last=False)

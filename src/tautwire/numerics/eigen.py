@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _NEARLY_ZERO = 1e-13
-"""A pivot smaller than this share of the largest one says nothing sure about its sign."""
+"""A pivot smaller than this, in a matrix scaled to a diagonal of 1, may have any sign."""
 
 _NUDGE = 1e-9
 """Relative change of a shift that hits a mode, or whose count is not sure."""
@@ -216,7 +216,7 @@ def negative_eigenvalues(band: Array) -> tuple[int, bool]:
         values, axes = np.linalg.eigh(diagonal - correction)
         count += int(np.count_nonzero(values < 0.0))
         sizes = np.abs(values)
-        is_sure &= bool(sizes.min() > _NEARLY_ZERO * sizes.max())
+        is_sure &= bool(sizes.min() > _NEARLY_ZERO * max(1.0, sizes.max()))
         if number < len(besides):
             turned = axes.T @ besides[number]
             correction = turned.T @ (turned / np.where(values == 0.0, 1e-300, values)[:, None])

@@ -22,6 +22,7 @@ Array = NDArray[Any]
 _MODIFIED_ITERATIONS = 40
 _FULL_ITERATIONS = 60
 _SLOPE_STEP = 0.05
+_RESPONSES_KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +64,8 @@ class StaticSolver:
         if factor is None:
             raise ValueError("the tangent of the static state is not positive definite")
         self._base = factor
-        self._columns = self._unit_dropper_loads(state.direction)
-        self._solved = factor.solve(self._columns)
-        self._flexibility = self._columns.T @ self._solved
+        self._dofs, self._pull = self._unit_dropper_loads(state.direction)
+        self._solved: dict[int, Array] = {}
 
     def solve(self, extra: Array) -> StaticResponse:
         """Return the static state under additional nodal loads ``extra`` ``(n_dof,)``."""
@@ -78,15 +78,22 @@ class StaticSolver:
         values = self._pattern.values(tangent_parts(self._system, q, taut=taut))
         return BandedCholesky.of(self._pattern.upper_band(values))
 
-    def _unit_dropper_loads(self, direction: Array) -> Array:
-        """Return unit tensions of every dropper as nodal loads, ``(n_dof, n_dropper)``."""
+    def _unit_dropper_loads(self, direction: Array) -> tuple[Array, Array]:
+        """Return dofs and values of a unit tension in each dropper, both ``(n_dropper, 6)``."""
         system = self._system
-        columns = np.zeros((system.dof_count, len(system.dropper_length)))
-        for i, (top, bottom) in enumerate(system.dropper_nodes):
-            columns[6 * top : 6 * top + 3, i] = direction[:, i]
-            columns[6 * bottom : 6 * bottom + 3, i] = -direction[:, i]
-        columns[system.fixed] = 0.0
-        return columns
+        dofs = (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6)
+        pull = np.concatenate([direction.T, -direction.T], axis=1)
+        return dofs, np.where(system.fixed[dofs], 0.0, pull)
+
+    def _response_to(self, dropper: int) -> Array:
+        """Return the displacements under a unit tension in one dropper, ``(n_dof,)``."""
+        if dropper not in self._solved:
+            if len(self._solved) >= _RESPONSES_KEPT:
+                self._solved.clear()
+            load = np.zeros(self._system.dof_count)
+            load[self._dofs[dropper]] = self._pull[dropper]
+            self._solved[dropper] = self._base.solve(load)
+        return self._solved[dropper]
 
     def _residual(self, q: Array, extra: Array) -> tuple[Array, Array]:
         force = internal_force(self._system, q)
@@ -119,10 +126,12 @@ class StaticSolver:
 
     def _without(self, slack: NDArray[np.int64], dq: Array) -> Array:
         """Correct a solution for droppers that have gone slack."""
-        small = -np.diag(1.0 / self._system.dropper_stiffness[slack])
-        small += self._flexibility[np.ix_(slack, slack)]
-        amplitude = np.linalg.solve(small, self._columns[:, slack].T @ dq)
-        return dq - self._solved[:, slack] @ amplitude
+        dofs, pull = self._dofs[slack], self._pull[slack]
+        responses = np.column_stack([self._response_to(int(i)) for i in slack])
+        small = np.einsum("ik,ikj->ij", pull, responses[dofs])
+        small -= np.diag(1.0 / self._system.dropper_stiffness[slack])
+        amplitude = np.linalg.solve(small, np.einsum("ik,ik->i", pull, dq[dofs]))
+        return dq - responses @ amplitude
 
     def _full_newton(self, extra: Array) -> StaticResponse:
         q = self._system.position.copy()

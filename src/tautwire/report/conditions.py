@@ -66,6 +66,7 @@ def _conventions(view: RunView) -> dict[str, str]:
         "contact stiffness": f"{1e-3 * settings.contact_stiffness:g} kN/m (penalty)",
         "closure at the supports": supports.closure,
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",
+        "steady arms": "none" if supports.closure == "spring" else supports.arm.motion,
         "messenger wire along the track": supports.messenger_longitudinal,
         "nodes between droppers (NAD)": str(settings.nodes_between_droppers),
         "time step": f"{1e3 * settings.time_step:g} ms",

@@ -28,6 +28,9 @@ BAR_BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
 MOST_SERIES = 6
 """With more combinations of the other axes than this, curves show their mean and range."""
 
+MOST_TICKS = 12
+MOST_BOXES = 12
+
 MESH = "settings.nodes_between_droppers"
 SEED = "settings.seed"
 _READABLE = {"m/s": ("km/h", 3.6), "N/m": ("kN/m", 1e-3), "s": ("ms", 1e3)}
@@ -132,8 +135,11 @@ def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figur
     else:
         _add_ranges(figure, x, found, order)
     is_log = axis.unit == "N/m" and x[0] > 0.0 and x[-1] / x[0] >= 5.0
+    ticks: dict[str, Any] = {"tickvals": x, "ticktext": [f"{value:g}" for value in x]}
     figure.update_layout(
-        xaxis=style.axis(title, type="log" if is_log else "linear"),
+        xaxis=style.axis(
+            title, type="log" if is_log else "linear", **(ticks if len(x) <= MOST_TICKS else {})
+        ),
         yaxis=style.axis("standard deviation [N]", rangemode="tozero"),
     )
     return style.fit_legend(figure)
@@ -270,7 +276,8 @@ def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
     for dimension in table.dimensions:
         if dimension.size < 2:
             continue
-        if dimension.name == SAMPLE or any(axis.path == SEED for axis in dimension.axes):
+        is_repeated = dimension.name == SAMPLE or any(a.path == SEED for a in dimension.axes)
+        if is_repeated and len(groups(table, dimension.name)) <= MOST_BOXES:
             text = "Spread of the standard deviation of the contact force over the "
             yield (
                 f"spread-{dimension.name}",

@@ -1,0 +1,225 @@
+"""Section IV.A, Figs 10 and 11: pre-sag and contact force over wavelength."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.analyses.wavelengths import line_lengths, presag_spectrum
+from tautwire.reproductions.song2021 import published
+from tautwire.reproductions.song2021.claims import Claim, Evidence, least
+from tautwire.reproductions.song2021.forces import Comb, Passages, comb
+from tautwire.reproductions.song2021.passages import FITTING, Scope, standard
+from tautwire.signals.spectra import over_wavenumber
+
+Array = NDArray[np.float64]
+
+SPEEDS = (225, 275, 320)
+"""Speeds of Fig. 11 [km/h]."""
+
+HIGHEST = 1.2
+"""Largest wave number of Fig. 11 [1/m]."""
+
+SHORT = 0.1
+"""Wave number from which components count as of high frequency [1/m]; 10 m."""
+
+REGION = 0.06
+"""Half width of a region relative to its wave number."""
+
+STANDS_OUT = 1.5
+AGREEMENT = 0.7
+NEGLIGIBLE = 10.0
+"""Largest share of energy outside the regions that may be neglected [%]."""
+
+PRESAG = "pre-sag"
+FRACTIONS = ("DD/2", "SD/2", "DD/4", "SD/4")
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """Combs over wave number.
+
+    Attributes
+    ----------
+    combs : mapping of str to Comb
+        ``"pre-sag"`` [m], then one per speed [N].
+    lengths : mapping of str to float
+        DD, SD and their fractions of this line [m].
+    """
+
+    combs: Mapping[str, Comb]
+    lengths: Mapping[str, float]
+
+
+def gather(passages: Passages, scope: Scope, stiffness: int = FITTING) -> Sources | None:
+    """Return the spectra of Fig. 11; None when a passage is missing.
+
+    Parameters
+    ----------
+    passages
+    scope
+    stiffness
+        Contact stiffness [kN/m].
+    """
+    names = {f"{v} km/h": standard(scope.mesh, stiffness, v) for v in SPEEDS}
+    if not passages.has(*names.values()):
+        return None
+    run = passages.run(names["320 km/h"])
+    spacing = 1.0 / passages.span
+    presag = presag_spectrum(run.equilibrium, run.case.resolved_section())
+    combs = {PRESAG: comb(presag, spacing, HIGHEST)}
+    for label, name in names.items():
+        own = passages.run(name)
+        spectrum = over_wavenumber(
+            passages.spectrum(name), own.case.scenario.speed, is_density=False
+        )
+        combs[label] = comb(spectrum, spacing, HIGHEST)
+    named = line_lengths(run.case).named(elements=False)
+    return Sources(combs, {name: named[name] for name in published.REGIONS if name in named})
+
+
+def is_local_maximum(found: Comb, place: float, reach: int = 1) -> bool:
+    """Tell whether a line within `reach` of a place is higher than both its neighbours."""
+    at, value = found.nearest(place), found.value
+    return any(
+        value[i] > value[i - 1] and value[i] > value[i + 1]
+        for i in range(max(1, at - reach), min(value.size - 1, at + reach + 1))
+    )
+
+
+def outside_share(found: Comb, lengths: Mapping[str, float]) -> tuple[float, float]:
+    """Return the share of energy, and of wave numbers, outside all regions [%].
+
+    Only waves shorter than 10 m count.
+
+    Parameters
+    ----------
+    found
+    lengths
+        [m]
+    """
+    short = found.abscissa >= SHORT
+    inside = np.zeros(found.value.size, dtype=bool)
+    for length in lengths.values():
+        inside |= np.abs(found.abscissa * length - 1.0) <= REGION
+        inside[found.nearest(1.0 / length)] = True
+    energy = found.value**2
+    outside = short & ~inside
+    return (
+        100.0 * float(energy[outside].sum() / energy[short].sum()),
+        100.0 * float(outside.sum() / short.sum()),
+    )
+
+
+def agreement(presag: Comb, force: Comb) -> float:
+    """Return the rank correlation of the lines of pre-sag and force, waves shorter than 10 m."""
+    short = (presag.abscissa >= SHORT) & (presag.abscissa <= 1.0)
+    first, second = (np.argsort(np.argsort(c.value[short])) for c in (presag, force))
+    return float(np.corrcoef(first, second)[0, 1])
+
+
+def claims(by_stiffness: Mapping[int, Sources]) -> list[Claim]:
+    """Judge section IV.A.
+
+    Parameters
+    ----------
+    by_stiffness
+        Spectra by contact stiffness [kN/m].
+    """
+    return [
+        _regions(by_stiffness),
+        _agree(by_stiffness),
+        *(_maximum(by_stiffness, name) for name in FRACTIONS),
+        _negligible(by_stiffness),
+        _main_source(by_stiffness),
+    ]
+
+
+def _regions(by_stiffness: Mapping[int, Sources]) -> Claim:
+    found: list[Evidence] = []
+    for sources in list(by_stiffness.values())[:1]:
+        for name, wanted in published.REGIONS.items():
+            length = sources.lengths[name]
+            found.append(
+                Evidence(name, f"{name} of the line", length, "m", wanted - 0.01, wanted + 0.01,
+                         wanted)
+            )  # fmt: skip
+    return Claim(
+        "wavelength-regions",
+        "IV.A",
+        "Six regions of the spectra belong to DD, SD, and their halves and quarters: 5.75, 4.25, "
+        "2.88, 2.12, 1.44 and 1.13 m.",
+        tuple(found),
+        "SD of this line is 4.5 m. 4.25 m and 2.12 m are 55 m/13 = 4.23 m and 55 m/26 = 2.12 m: "
+        "lines of the comb of a line that repeats every 55 m, next to SD (n = 12.2) and SD/2 "
+        "(n = 24.4).",
+    )
+
+
+def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
+    found = tuple(
+        least(f"{k} kN/m, {label}", "rank correlation with the pre-sag, waves of 1 to 10 m",
+              agreement(sources.combs[PRESAG], own), AGREEMENT, "1")
+        for k, sources in by_stiffness.items()
+        for label, own in sources.combs.items()
+        if label != PRESAG
+    )  # fmt: skip
+    text = "The peaks in the spectrum of the force are highly consistent with those of the pre-sag."
+    return Claim("presag-force", "IV.A", text, found)
+
+
+def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:
+    found: list[Evidence] = []
+    for number, (k, sources) in enumerate(by_stiffness.items()):
+        place = 1.0 / sources.lengths[name]
+        for label, own in sources.combs.items():
+            if label == PRESAG and number:
+                continue
+            where = PRESAG if label == PRESAG else f"{k} kN/m, {label}"
+            peak = float(is_local_maximum(own, place))
+            found.append(least(where, "local maximum within one line (1: yes)", peak, 1.0, "1"))
+            ratio = own.ratio(place, width=0.0)
+            found.append(least(where, "level over the median of the lines around", ratio,
+                               STANDS_OUT, "1"))  # fmt: skip
+    text = f"{name} stands out in the spectra of pre-sag and contact force."
+    return Claim(f"source-{name.replace('/', '-')}", "IV.A", text, tuple(found))
+
+
+def _negligible(by_stiffness: Mapping[int, Sources]) -> Claim:
+    found: list[Evidence] = []
+    for number, (k, sources) in enumerate(by_stiffness.items()):
+        for label, own in sources.combs.items():
+            if label == PRESAG and number:
+                continue
+            where = PRESAG if label == PRESAG else f"{k} kN/m, {label}"
+            energy, width = outside_share(own, sources.lengths)
+            text = "energy outside the six regions, waves below 10 m"
+            found.append(Evidence(where, text, energy, "%", high=NEGLIGIBLE))
+            text = "share of the wave numbers outside them"
+            found.append(Evidence(where, text, width, "%"))
+    return Claim(
+        "energy-elsewhere",
+        "IV.A",
+        "Out of the regions the spectrum energy is small and can be neglected (limit here: "
+        f"{NEGLIGIBLE:g} %; a region reaches {100 * REGION:g} % to either side of its wave number).",
+        tuple(found),
+        "The paper does not state the width of its regions.",
+    )
+
+
+def _main_source(by_stiffness: Mapping[int, Sources]) -> Claim:
+    found: list[Evidence] = []
+    for k, sources in by_stiffness.items():
+        for label, own in sources.combs.items():
+            if label == PRESAG:
+                continue
+            high = Comb(own.abscissa, np.where(own.abscissa > 0.27, own.value, 0.0))
+            halves = {name: sources.lengths[name] for name in FRACTIONS}
+            energy, _ = outside_share(high, halves)
+            text = "share of the four regions in the energy of waves below 3.7 m"
+            found.append(least(f"{k} kN/m, {label}", text, 100.0 - energy, 50.0))
+    text = "Half and quarter of DD and SD are the main source of the high-frequency components."
+    return Claim("main-source", "IV.A, VI.3", text, tuple(found))

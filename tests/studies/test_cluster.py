@@ -1,0 +1,152 @@
+"""Studies on a Dask cluster: a real scheduler and two workers on loopback, killed in the middle."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tautwire.errors import InputError
+from tautwire.studies.cluster import DaskCluster
+from tautwire.studies.executor import LocalWorkers, StudyError
+from tautwire.studies.run import Options, StudyProgress, run_study
+
+from .conftest import HERE, Place, seeds
+
+pytest.importorskip("distributed", reason="Dask is not installed")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
+
+NAP = Options(task="slow_tasks:nap")
+NAP_ON = Options(task="slow_tasks:nap", resume=True)
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Processes of a cluster on this machine."""
+
+    address: str
+    scheduler: subprocess.Popen[bytes]
+    workers: list[subprocess.Popen[bytes]]
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def cluster(place: Place, tmp_path: Path) -> Iterator[Cluster]:
+    """A scheduler and two workers with one thread each."""
+    port, paths = _free_port(), os.pathsep.join([str(HERE), *filter(None, sys.path)])
+    address = f"tcp://127.0.0.1:{port}"
+    common: dict[str, Any] = {
+        "env": {**os.environ, "PYTHONPATH": paths},
+        "stdout": subprocess.DEVNULL,
+        "stderr": subprocess.DEVNULL,
+        "cwd": tmp_path,
+    }
+    tool = [sys.executable, "-m"]
+    scheduler = subprocess.Popen(
+        [*tool, "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port),
+         "--no-dashboard", "--no-show"], **common)  # fmt: skip
+    worker = [*tool, "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny",
+              "--no-dashboard"]  # fmt: skip
+    workers = [subprocess.Popen(worker, **common) for _ in range(2)]
+    _wait_for_workers(address)
+    yield Cluster(address, scheduler, workers)
+    for process in (*workers, scheduler):
+        process.kill()
+        process.wait()
+
+
+def _wait_for_workers(address: str) -> None:
+    from distributed import Client
+
+    end = time.monotonic() + 60.0
+    while time.monotonic() < end:
+        try:
+            with Client(address, timeout=2, set_as_default=False) as client:
+                client.wait_for_workers(2, timeout=30)
+                return
+        except OSError:
+            time.sleep(0.2)
+    pytest.fail("the cluster did not start")
+
+
+def test_cluster_computes_what_processes_compute(cluster: Cluster, place: Place) -> None:
+    """A study gives the same table on a cluster and on local processes."""
+    executor = DaskCluster(cluster.address, place.folder)
+    far = run_study(seeds(6), place.folder, executor=executor, options=NAP)
+    assert far.counts()["done"] == 6
+    assert len(place.workers()) == 2
+    local = place.folder.with_name("local")
+    near = run_study(seeds(6), local, executor=LocalWorkers(1, local), options=NAP)
+    assert np.array_equal(far["square"].values, near["square"].values)
+    assert np.array_equal(far.key, near.key)
+
+
+def test_killed_cluster_worker(cluster: Cluster, place: Place) -> None:
+    """kill -9 of a cluster's worker: its case goes to the other one, no case is lost."""
+    killed: list[int] = []
+
+    def kill_once(progress: StudyProgress) -> bool:
+        if progress.computed >= 3 and not killed:
+            cluster.workers[0].kill()
+            killed.append(progress.computed)
+        return False
+
+    executor = DaskCluster(cluster.address, place.folder)
+    table = run_study(seeds(12), place.folder, executor=executor, options=NAP, watch=kill_once)
+    assert killed
+    assert table.counts()["done"] == 12
+    begun = place.noted("begin")
+    assert set(begun) == set(range(12))
+    assert begun.total() <= 14
+
+
+def test_killed_scheduler(cluster: Cluster, place: Place) -> None:
+    """kill -9 of the scheduler stops the study with a reason; --resume computes the rest once."""
+    killed: list[int] = []
+
+    def kill_once(progress: StudyProgress) -> bool:
+        if progress.computed >= 3 and not killed:
+            cluster.scheduler.kill()
+            killed.append(progress.computed)
+        return False
+
+    executor = DaskCluster(cluster.address, place.folder)
+    with pytest.raises(StudyError, match=r"is gone .*finished cases are kept"):
+        run_study(seeds(12), place.folder, executor=executor, options=NAP, watch=kill_once)
+    kept = place.rows()
+    assert 3 <= kept < 12
+    table = run_study(
+        seeds(12), place.folder, executor=LocalWorkers(2, place.folder), options=NAP_ON
+    )
+    assert table.counts()["done"] == 12
+    assert place.noted("begin").total() <= 12 + 5
+
+
+def test_failing_case_on_a_cluster(cluster: Cluster, place: Place) -> None:
+    """A case that fails on a cluster is a row with its reason, as elsewhere."""
+    options = Options(task="slow_tasks:stumble")
+    executor = DaskCluster(cluster.address, place.folder)
+    table = run_study(seeds(5), place.folder, executor=executor, options=options)
+    assert table.counts() == {"done": 2, "failed": 3, "refused": 0, "missing": 0}
+    assert table.failures()[0].cases == (1, 4)
+
+
+def test_no_scheduler_there(place: Place) -> None:
+    """An address at which nothing answers is refused before anything is computed."""
+    executor = DaskCluster(f"tcp://127.0.0.1:{_free_port()}", place.folder, timeout=1.0)
+    with pytest.raises(InputError, match="no Dask scheduler answers there"):
+        run_study(seeds(2), place.folder, executor=executor, options=NAP)

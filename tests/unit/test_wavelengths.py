@@ -1,0 +1,150 @@
+"""The line's own lengths, pre-sag spectra, named peaks, and the cut-off that follows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tautwire.analyses.contact_wire import even_points, wavenumber_spectrum
+from tautwire.analyses.cutoff import advise_cutoff, missed_deviation
+from tautwire.analyses.wavelengths import (
+    line_lengths,
+    name_peaks,
+    presag_spectrum,
+    strength_at,
+    strengths,
+)
+from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.signals.filters import Butterworth
+from tautwire.signals.spectra import amplitude_spectrum
+
+from ..lines import ac_simple, found
+from .synthetic import make_case, make_run
+
+
+@pytest.fixture(scope="module")
+def shape() -> Equilibrium:
+    """Static state of five spans of AC simple."""
+    return found(ac_simple(line__spans=5, settings__nodes_between_droppers=5))[1]
+
+
+def test_lengths_of_the_reference_line() -> None:
+    """AC simple: DD 5.75 m, SD 4.5 m, and with NAD 9 elements of 0.72 and 0.56 m (paper III.A)."""
+    lengths = line_lengths(load_case("ac-simple", {"settings.nodes_between_droppers": 9}))
+    named = lengths.named()
+    assert named["span"] == 55.0
+    assert named["DD"] == pytest.approx(5.75)
+    assert named["SD/4"] == pytest.approx(1.125)
+    assert lengths.elements == pytest.approx((0.71875, 0.5625))
+    assert lengths.shortest == pytest.approx(4.5)
+
+
+@pytest.mark.parametrize(
+    ("nad", "frequencies"),
+    [(9, (123.67, 158.02)), (12, (170.05, 217.28)), (15, (216.43, 276.54)), (18, (262.80, 335.80))],
+)
+def test_element_passing_frequencies(nad: int, frequencies: tuple[float, float]) -> None:
+    """All eight element-passing frequencies of section III.A follow from v/L_e at 320 km/h."""
+    case = load_case("ac-simple", {"settings.nodes_between_droppers": nad})
+    passed = [case.scenario.speed / length for length in line_lengths(case).elements]
+    assert passed == pytest.approx(frequencies, rel=1e-4)
+
+
+def test_line_without_droppers() -> None:
+    """Without droppers the span is the only length."""
+    case = load_case("ac-simple")
+    bare = case.with_(**{"droppers.positions": (), "droppers.presag": ()})
+    lengths = line_lengths(bare)
+    assert lengths.dropper_interval is None
+    assert lengths.shortest == 55.0
+    assert set(lengths.named(elements=False)) == {"span"}
+
+
+@pytest.mark.parametrize(
+    ("speed", "cutoff"), [(200, 50.0), (225, 56.25), (250, 62.5), (275, 68.75), (320, 80.0)]
+)
+def test_advised_cutoff(speed: int, cutoff: float) -> None:
+    """0.9 1/m times the speed: the five cut-offs of section IV.C."""
+    case = load_case("ac-simple", {"scenario.speed": f"{speed} km/h"})
+    advice = advise_cutoff(case)
+    assert advice.wavenumber == pytest.approx(0.9)
+    assert advice.frequency == pytest.approx(cutoff)
+
+
+def test_missed_deviation() -> None:
+    """What a cut-off misses is told against sigma(0-200), for either filter."""
+    run = make_run(make_case(spans=8))
+    sharp = missed_deviation(run)
+    assert sharp.cutoff == pytest.approx(80.0)
+    assert 0.0 < sharp.standard <= sharp.advised <= sharp.widest
+    assert sharp.missed == pytest.approx(1.0 - sharp.advised / sharp.widest)
+    assert sharp.missed_by_standard >= sharp.missed
+    smooth = missed_deviation(run, "front", Butterworth())
+    assert "Butterworth" in smooth.filter
+    assert smooth.as_dict()["advised_cutoff_hz"] == pytest.approx(80.0)
+
+
+def test_even_points_lie_on_the_wire(shape: Equilibrium) -> None:
+    """Points are even along the track and interpolate positions exactly at the stations."""
+    points = even_points(shape)
+    assert np.diff(points.x) == pytest.approx(points.spacing)
+    assert points.values(shape.position, 0) == pytest.approx(points.x, abs=1e-9)
+    heights = np.interp(shape.station_x, points.x, points.values(shape.position))
+    assert heights == pytest.approx(shape.contact_position[:, 2], abs=2e-3)
+
+
+def test_wavenumber_spectrum_of_a_sine() -> None:
+    """A sine of amplitude 3 and wavelength 2.5 m shows as a line of height 3 at 0.4 1/m."""
+    x = np.arange(1000) * 0.05
+    spectrum = wavenumber_spectrum(3.0 * np.sin(2.0 * math.pi * x / 2.5), 0.05)
+    at = int(np.argmax(spectrum.value))
+    assert spectrum.wavelength[at] == pytest.approx(2.5)
+    assert spectrum.value[at] == pytest.approx(3.0)
+
+
+def test_presag_is_a_comb(shape: Equilibrium) -> None:
+    """The ideal line is periodic: its pre-sag holds multiples of one per span and nothing else."""
+    spectrum = presag_spectrum(shape, (2, 4), window="none")
+    order = spectrum.abscissa * 55.0
+    on_comb = np.abs(order - np.round(order)) < 1e-6
+    assert spectrum.value[~on_comb].max() < 0.02 * spectrum.value.max()
+    peaks = name_peaks(spectrum, {"span": 55.0, "DD/2": 2.875})
+    assert "span" in {peak.name for peak in peaks}
+
+
+def test_section_off_the_line_is_refused(shape: Equilibrium) -> None:
+    """A section beyond the last span is refused."""
+    with pytest.raises(InputError, match="section"):
+        presag_spectrum(shape, (2, 9))
+
+
+def test_peaks_are_named() -> None:
+    """Peaks of a force spectrum are named by the length whose passing explains them."""
+    time, speed = np.arange(8192) * 1e-3, 80.0
+    force = 5.0 * np.sin(2.0 * math.pi * (speed / 5.75) * time)
+    force += 2.0 * np.sin(2.0 * math.pi * 61.0 * time)
+    spectrum = amplitude_spectrum(force, 1e-3)
+    peaks = name_peaks(spectrum, {"DD": 5.75, "SD": 4.5}, speed=speed, count=2)
+    assert [peak.name for peak in peaks] == ["DD", ""]
+    assert peaks[1].abscissa == pytest.approx(61.0, abs=0.2)
+    with pytest.raises(InputError, match="speed"):
+        name_peaks(spectrum, {"DD": 5.75})
+
+
+def test_strength_over_the_background() -> None:
+    """A line stands out by its amplitude over the median around it; noise does not."""
+    random = np.random.default_rng(0)
+    time = np.arange(16384) * 1e-3
+    force = random.standard_normal(time.size) + 0.5 * np.sin(2.0 * math.pi * 123.67 * time)
+    spectrum = amplitude_spectrum(force, 1e-3)
+    line, none = strength_at(spectrum, 123.67, "element"), strength_at(spectrum, 158.02)
+    assert line.ratio > 10.0
+    assert none.ratio < 4.0
+    found_lines = strengths(spectrum, {"element": 88.889 / 123.67, "far": 0.01}, speed=88.889)
+    assert [item.name for item in found_lines] == ["element"]
+    with pytest.raises(InputError, match="outside"):
+        strength_at(spectrum, 900.0)
