@@ -78,6 +78,7 @@ def test_killed_worker_loses_one_attempt_only(place: Place) -> None:
     assert not place.drafts()
 
 
+@pytest.mark.slow
 def test_case_that_kills_its_worker(place: Place) -> None:
     """A case that takes its worker down twice becomes a failed row; the others are computed."""
     options = Options(task="slow_tasks:murder")
@@ -102,15 +103,16 @@ def test_failing_cases_are_rows(place: Place) -> None:
     assert "RuntimeError: an error nobody thought of" in single.reason
 
 
+@pytest.mark.slow
 def test_killed_parent_loses_nothing(place: Place, start_study: Start) -> None:
     """kill -9 of the parent: its workers end, finished cases stay, --resume computes the rest."""
     parent = start_study(code("slow_tasks:nap"))
     wait_for(lambda: place.rows() >= 4)
     parent.kill()
-    parent.wait()
+    parent.communicate()
     workers = place.workers()
     wait_for(lambda: not any(map(is_alive, workers)))
-    before = {seed for seed in place.noted("end")}
+    before = set(place.noted("end"))
     kept = place.rows()
     assert 4 <= kept < 12
     table = run_study(
@@ -154,6 +156,7 @@ def test_equal_cases_are_computed_once(place: Place) -> None:
     assert place.noted("begin") == {5: 1, 6: 1}
 
 
+@pytest.mark.slow
 def test_failed_cases_can_be_tried_again(place: Place) -> None:
     """With retry_failed a failed case is computed again, a finished one is not."""
     study = seeds(5)
@@ -191,6 +194,7 @@ def test_damaged_row_is_computed_again(place: Place) -> None:
     assert place.noted("begin") == {0: 1, 1: 2, 2: 1}
 
 
+@pytest.mark.slow
 def test_workers_that_cannot_start(
     place: Place, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -208,6 +212,7 @@ def limit_file_size() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
 
 
+@pytest.mark.slow
 def test_file_that_cannot_be_written(place: Place, start_study: Start) -> None:
     """A case that cannot be stored stops the study; finished ones stay, no draft is left."""
     parent = start_study(code("slow_tasks:swell", keep_runs=True), preexec_fn=limit_file_size)
@@ -236,6 +241,7 @@ def small_disk(place: Place) -> Iterator[Path]:
     subprocess.run(["umount", str(place.folder)], check=True)
 
 
+@pytest.mark.slow
 def test_full_disk(place: Place, small_disk: Path, start_study: Start) -> None:
     """On a full disk the study ends with exit code 1 and keeps every finished case."""
     parent = start_study(code("slow_tasks:swell", keep_runs=True))

@@ -20,7 +20,10 @@ HIGHEST = 350.0
 SPEED = TOP_SPEED / 3.6
 
 VISIBLE = 2.0
-"""Least ratio of a spectral line to what surrounds it, and to the same place on a finer mesh."""
+"""Least ratio of a spectral line to the median of the lines around it."""
+
+ABOVE = 1.5
+"""Least ratio of a spectral line to the same place on the other mesh."""
 
 SAME = 1.0
 """Differences of standard deviations up to this count as none [%]."""
@@ -200,7 +203,7 @@ def _line_evidence(
     for k in every:
         around, finer = line_strength(passages, mesh, k, frequency)
         found.append(least(condition(k), "amplitude over its surroundings", around, VISIBLE, "1"))
-        found.append(least(condition(k), "amplitude over that of the other mesh", finer, VISIBLE,
+        found.append(least(condition(k), "amplitude over that of the other mesh", finer, ABOVE,
                            "1"))  # fmt: skip
     return tuple(found)
 

@@ -10,6 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from tautwire.inputs.load import load_case
 from tautwire.specs.study import Study
 
 BASE = "ac-simple"
@@ -53,6 +56,20 @@ CONVENTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
 }
 """Readings of what the paper leaves open: name, words, values that differ."""
 
+IRREGULARITY = 2e-3
+"""Largest deviation of the pre-sag at the droppers, uniform at random [m]; the paper states none.
+
+Beyond 3 mm droppers would be slack at rest.
+"""
+
+SEED = 2021
+
+STEPS: Mapping[str, Mapping[str, Any]] = {
+    "1ms": {},
+    "0.2ms": {"settings.time_step": "0.2 ms"},
+}
+"""Time steps of section V by name: values that differ."""
+
 QUICK_CONVENTIONS = ("swinging", "damping-0", "half-step")
 
 
@@ -70,16 +87,19 @@ class Scope:
         Contact stiffnesses of the studies of mesh and speed [kN/m].
     conventions : tuple of str
         Names of :data:`CONVENTIONS`.
+    irregular : tuple of int
+        Contact stiffnesses of section V [kN/m].
     """
 
     name: str
     mesh: int
     readings: tuple[int, ...]
     conventions: tuple[str, ...]
+    irregular: tuple[int, ...]
 
 
-FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS))
-QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS)
+FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200))
+QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS, (FITTING,))
 
 
 def standard(
@@ -117,7 +137,25 @@ def passages(scope: Scope) -> dict[str, dict[str, Any]]:
         for stiffness in (FITTING, 50) if name == "swinging" else (FITTING,):
             changes = {**_values(9, stiffness, TOP_SPEED), **CONVENTIONS[name][1]}
             found[convention(name, stiffness)] = changes
+    for stiffness in scope.irregular:
+        for step, changes in STEPS.items():
+            values = _values(9, stiffness, TOP_SPEED)
+            found[irregular(step, stiffness)] = {**values, **_irregularity(), **changes}
     return found
+
+
+def irregular(step: str, stiffness: int) -> str:
+    """Return the name of a passage under the irregular wire, NAD 9 at 320 km/h."""
+    return f"irregular-{step}-k{stiffness}"
+
+
+def _irregularity() -> dict[str, Any]:
+    """Return pre-sags with random deviations, every dropper its own."""
+    case = load_case(BASE)
+    rows = case.droppers.presag_by_span(case.line.spans)
+    generator = np.random.default_rng(SEED)
+    deviations = generator.uniform(-IRREGULARITY, IRREGULARITY, (len(rows), len(rows[0])))
+    return {"droppers.presag": (np.array(rows) + deviations).round(6).tolist()}
 
 
 def _values(mesh: int, stiffness: int, speed: int, mean: float | None = None) -> dict[str, Any]:

@@ -1,0 +1,309 @@
+"""The whole reproduction: run what is needed, judge every claim, write page, JSON and CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tautwire import __version__
+from tautwire.reproductions.record import DOUBTFUL
+from tautwire.reproductions.song2021 import (
+    cutoffs,
+    mesh,
+    published,
+    sources,
+    statics,
+    steps,
+    stiffness,
+    validation,
+    vibration,
+)
+from tautwire.reproductions.song2021.claims import RULE, Claim, counts
+from tautwire.reproductions.song2021.forces import Passages
+from tautwire.reproductions.song2021.passages import (
+    BASE,
+    FULL,
+    STIFFNESSES,
+    Scope,
+    passage_study,
+    passages,
+)
+from tautwire.results.files import write_text
+from tautwire.specs.case import Source
+from tautwire.studies.executor import LocalWorkers
+from tautwire.studies.plan import Plan, plan_study
+from tautwire.studies.run import Options, Watch, core_count, run_study
+from tautwire.studies.store import Store
+
+STUDY = "song2021"
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """Everything that figures, tables and verdicts are made of.
+
+    Attributes
+    ----------
+    scope : Scope
+    passages : Passages
+    statics : Statics
+    readings : list of Reading
+        Table 2 by reading.
+    sources : mapping of int to Sources
+        Fig. 11 by contact stiffness [kN/m].
+    modes : mapping of str to Found
+        By name of the length.
+    curves : mapping of str to Curves
+        Fig. 15 by reading.
+    losses : mapping of int to LossTable
+        Table 3 by contact stiffness [kN/m].
+    """
+
+    scope: Scope
+    passages: Passages
+    statics: statics.Statics
+    readings: list[validation.Reading]
+    sources: Mapping[int, sources.Sources]
+    modes: Mapping[str, vibration.Found]
+    curves: Mapping[str, cutoffs.Curves]
+    losses: Mapping[int, steps.LossTable]
+
+
+@dataclass(frozen=True, eq=False)
+class SongRecord:
+    """The reproduction and its verdicts.
+
+    Attributes
+    ----------
+    status : str
+        ``"done"``, or ``"partial"`` when passages are missing.
+    scope : str
+        ``"full"`` or ``"quick"``.
+    claims : tuple of Claim
+    missing : mapping of str to str
+        Passages and searches without a result, and why.
+    cost : mapping of str to float
+        ``passages``, ``cpu_s``, ``wall_s`` of this call.
+    changed_inputs : tuple of str
+    doubtful_inputs : tuple of Source
+    material : Material
+    """
+
+    status: str
+    scope: str
+    claims: tuple[Claim, ...]
+    missing: Mapping[str, str]
+    cost: Mapping[str, float]
+    changed_inputs: tuple[str, ...]
+    doubtful_inputs: tuple[Source, ...]
+    material: Material
+
+    title = published.TITLE
+
+    @property
+    def statement(self) -> str:
+        """The outcome in a sentence."""
+        parts = [f"{number} {verdict}" for verdict, number in counts(self.claims).items()]
+        text = f"{len(self.claims)} claims: {', '.join(parts)}."
+        if self.status != "done":
+            text += f" Not complete: {len(self.missing)} computations are missing."
+        if self.changed_inputs:
+            text += f" Changed for this run: {', '.join(self.changed_inputs)}."
+        return text
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as plain data for JSON."""
+        return {
+            "study": STUDY,
+            "title": self.title,
+            "version": __version__,
+            "status": self.status,
+            "scope": self.scope,
+            "statement": self.statement,
+            "source": published.SOURCE,
+            "published_filter": published.FILTER,
+            "rule": RULE,
+            "verdicts": counts(self.claims),
+            "claims": [claim.as_dict() for claim in self.claims],
+            "missing": dict(self.missing),
+            "cost": dict(self.cost),
+            "doubtful_inputs": [entry.to_dict() for entry in self.doubtful_inputs],
+            "changed_inputs": list(self.changed_inputs),
+        }
+
+
+def reproduce(
+    folder: str | os.PathLike[str],
+    scope: Scope = FULL,
+    *,
+    workers: int | None = None,
+    watch: Watch | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> SongRecord:
+    """Run all passages and searches that are not in the folder yet, and judge every claim.
+
+    Parameters
+    ----------
+    folder
+        Where passages are kept; what is there already is not computed again.
+    scope
+        How much is computed.
+    workers
+        Number of processes; by default one per core.
+    watch
+        Called with the progress of the passages, then of the searches of modes; True stops.
+    changes
+        Values of the case to replace, by path, to see what an input is worth.
+
+    Returns
+    -------
+    SongRecord
+        With status ``"partial"`` when something is missing.
+    """
+    begin = time.perf_counter()
+    meshes = vibration.MESHES if scope.name == FULL.name else vibration.QUICK_MESHES
+    jobs = {
+        "passages": (passage_study(passages(scope), changes), Options(resume=True)),
+        "modes": (
+            vibration.mode_study(meshes, changes),
+            Options(resume=True, task=vibration.TASK),
+        ),
+    }
+    plans: dict[str, Plan] = {}
+    for name, (study, options) in jobs.items():
+        plans[name] = plan_study(study)
+        _run(plans[name], Path(folder) / name, options, workers, watch)
+    rows, missing = _rows(plans, Path(folder))
+    material = _material(scope, rows, Path(folder), changes)
+    cost = {
+        "passages": float(len(rows["passages"])),
+        "cpu_s": sum(row["cost"]["cpu_s"] or 0.0 for own in rows.values() for row in own.values()),
+        "wall_s": time.perf_counter() - begin,
+    }
+    doubtful = tuple(
+        entry for entry in plans["passages"].case(plans["passages"].points[0]).sources
+        if entry.confidence in DOUBTFUL
+    )  # fmt: skip
+    return SongRecord(
+        "partial" if missing else "done",
+        scope.name,
+        tuple(judge(material)),
+        missing,
+        cost,
+        tuple(changes or {}),
+        doubtful,
+        material,
+    )
+
+
+def _run(
+    plan: Plan, folder: Path, options: Options, workers: int | None, watch: Watch | None
+) -> None:
+    """Compute what is missing."""
+    if set(plan.by_key) <= Store(folder).finished():
+        return
+    count = min(workers or core_count(), len(plan.by_key))
+    executor = LocalWorkers(count, folder)
+    run_study(plan, folder, executor=executor, options=options, watch=watch)
+
+
+def _rows(
+    plans: Mapping[str, Plan], folder: Path
+) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
+    """Return finished rows by name, and why others are missing."""
+    found: dict[str, dict[str, Any]] = {name: {} for name in plans}
+    missing: dict[str, str] = {}
+    for kind, plan in plans.items():
+        store = Store(folder / kind)
+        for point in plan.points:
+            name = str(next(iter(plan.coordinates(point).values())))
+            row = store.load(point.key) if point.key else None
+            if row is not None and row["status"] == "done":
+                found[kind][name] = {**row, "key": point.key}
+            elif row is not None:
+                missing[name] = str(row["reason"])
+            else:
+                missing[name] = "; ".join(point.problems) or "not computed"
+    return found, missing
+
+
+def _material(
+    scope: Scope,
+    rows: Mapping[str, Mapping[str, Any]],
+    folder: Path,
+    changes: Mapping[str, Any] | None,
+) -> Material:
+    store = Store(folder / "passages")
+    own = Passages(
+        {name: store.run_path(row["key"]) for name, row in rows["passages"].items()}
+    )
+    every = ((k, sources.gather(own, scope, k)) for k in STIFFNESSES)
+    losses = ((k, steps.table(own, k)) for k in scope.irregular)
+    return Material(
+        scope,
+        own,
+        statics.compute_statics(changes),
+        validation.readings(own),
+        {k: found for k, found in every if found is not None},
+        {name: vibration.read(row) for name, row in rows["modes"].items()},
+        cutoffs.gather(own, scope),
+        {k: found for k, found in losses if found is not None},
+    )
+
+
+def judge(material: Material) -> list[Claim]:
+    """Judge all claims of sections II to VI.
+
+    Parameters
+    ----------
+    material
+    """
+    own = material.passages
+    return [
+        *statics.claims(material.statics),
+        *validation.claims(material.readings),
+        *mesh.claims(own),
+        *stiffness.claims(own),
+        *sources.claims(material.sources),
+        *vibration.claims(material.modes),
+        *cutoffs.claims(material.curves),
+        *steps.claims(own, material.losses),
+    ]
+
+
+def writers(record: SongRecord) -> dict[str, Callable[[Path], object]]:
+    """Return the files of a record by name: how each is written to a path."""
+    from tautwire.reproductions.song2021.page import page_html
+
+    text = json.dumps(record.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return {
+        "song2021.html": lambda path: write_text(path, page_html(record)),
+        "record.json": lambda path: write_text(path, text),
+        "record.csv": lambda path: write_text(path, record_csv(record)),
+    }
+
+
+def record_csv(record: SongRecord) -> str:
+    """Return the evidence as CSV, one row per number."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(
+        ("claim", "section", "verdict", "condition", "quantity", "found", "unit", "published",
+         "limits", "holds")
+    )  # fmt: skip
+    for claim in record.claims:
+        for item in claim.evidence:
+            wanted = "" if item.published is None else f"{item.published:g}"
+            writer.writerow(
+                (claim.name, claim.section, claim.verdict, item.condition, item.quantity,
+                 f"{item.found:.6g}", item.unit, wanted, item.requirement,
+                 "yes" if item.holds else "no")
+            )  # fmt: skip
+    return out.getvalue()
