@@ -44,8 +44,9 @@ _TEXT = {
     ),
     Status.SINGULAR: (
         "The stiffness matrix is not positive definite: the line is not held in its shape.",
-        "Check that tensions are positive, that ends and supports hold both wires, and that "
-        "droppers carry the contact wire.",
+        "Check that tensions are positive, that ends and supports hold both wires (anchor one end "
+        "if nothing else holds the line along the track), and that droppers carry the contact "
+        "wire. In a passage, try a smaller settings.time_step.",
     ),
     Status.NOT_FINITE: (
         "The state contains a value that is not a finite number.",

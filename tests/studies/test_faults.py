@@ -187,9 +187,7 @@ def test_damaged_row_is_computed_again(place: Place) -> None:
     table = run_study(study, place.folder, executor=LocalWorkers(1, place.folder), options=NAP)
     key = str(table.key[1])
     (place.folder / "rows" / key[:2] / f"{key}.json").write_text("")
-    again = run_study(
-        study, place.folder, executor=LocalWorkers(1, place.folder), options=NAP_ON
-    )
+    again = run_study(study, place.folder, executor=LocalWorkers(1, place.folder), options=NAP_ON)
     assert again.counts()["done"] == 3
     assert place.noted("begin") == {0: 1, 1: 2, 2: 1}
 

@@ -12,7 +12,7 @@ from tautwire import library
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.studies.plan import Plan, key_of, pending, plan_study
-from tautwire.studies.study_file import make_study
+from tautwire.studies.study_file import load_study, make_study
 
 
 def plan(axes: dict[str, Any], **more: Any) -> Plan:
@@ -45,7 +45,9 @@ def test_zip_moves_axes_together() -> None:
     assert made.shape == (2,)
     assert made.case(made.points[1]).scenario.mean_force == 150.0
     told = refusal({**axes, "settings.seed": {"seeds": 3}}, design="zip")
-    assert "need as many values (scenario.speed: 2, scenario.mean_force: 2, settings.seed: 3)" in told
+    assert (
+        "need as many values (scenario.speed: 2, scenario.mean_force: 2, settings.seed: 3)" in told
+    )
 
 
 def test_range_is_written_in_its_unit() -> None:
@@ -208,3 +210,14 @@ def test_key_follows_input_and_what_is_kept() -> None:
     keys = {key_of(case), key_of(other), key_of(case, keep_runs=True)}
     assert len(keys) == 3
     assert key_of(load_case("ac-simple")) == key_of(case)
+
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "studies").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example_studies(path: Path) -> None:
+    """Every study among the examples is valid in all its cases."""
+    made = plan_study(load_study(path))
+    assert len(made.points) > 1
+    assert not any(point.problems for point in made.points)

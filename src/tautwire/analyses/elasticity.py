@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.analyses.threads import single_threaded
-from tautwire.errors import ConvergenceError
+from tautwire.errors import ConvergenceError, ModelError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.model.mesh import CONTACT
@@ -44,11 +44,13 @@ def elasticity(
 
     Raises
     ------
+    ModelError
+        When nothing holds the line in its shape.
     ConvergenceError
         When the static state under the force is not found; the point is named.
     """
     force = model.case.settings.elasticity_force if force is None else force
-    solver = StaticSolver(equations(model, shape))
+    solver = _solver(model, shape)
     points = _points(model)
     values = [_flexibility(model, shape, solver, p, force) for p in points]
     return Elasticity(
@@ -59,6 +61,13 @@ def elasticity(
         x=np.array([p.x for p in points]),
         elasticity=np.array(values),
     )
+
+
+def _solver(model: Model, shape: Equilibrium) -> StaticSolver:
+    try:
+        return StaticSolver(equations(model, shape))
+    except ValueError:
+        raise ModelError(f"elasticity: {Status.SINGULAR.sentence} {Status.SINGULAR.cure}") from None
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,9 @@ from tautwire.numerics.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.pantograph import Pantograph
 
+LOWERED = 1.0
+"""Distance of a lowered pantograph from the wire at the start [m]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Passage:
@@ -36,7 +39,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     """Plan the passage of all pantographs of the case.
 
     Each pantograph enters at the same place (``settings.start`` from the anchor), at rest and just
-    touching the wire in its static position, when the train has brought it there.
+    touching the wire in its static position, when the train has brought it there. One without
+    uplift force is lowered and does not touch the wire.
 
     Parameters
     ----------
@@ -60,18 +64,19 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     _check_length(model, duration)
     wire = shape.contact_position
     height = float(np.interp(start_x, wire[:, 0], wire[:, 2]))
+    heights = [height if force > 0.0 else height - LOWERED for force in forces]
     inputs = tuple(
         PantographInput(
             chain=_chain(spec),
             start_time=spec.behind / case.scenario.speed,
             start_x=start_x,
-            start_height=height,
+            start_height=start,
             velocity=sign * case.scenario.speed,
             uplift_force=force,
             ramp=case.settings.ramp,
             roof=_roof(spec),
         )
-        for spec, force in zip(case.pantographs, forces, strict=True)
+        for spec, force, start in zip(case.pantographs, forces, heights, strict=True)
     )
     return Passage(inputs, duration)
 
@@ -92,15 +97,19 @@ def _roof(spec: Pantograph) -> RoofMotion | None:
 
 
 def _check_length(model: Model, duration: float) -> None:
-    """Refuse a line that ends before the last pantograph has crossed the analysed section."""
+    """Refuse a line that ends before the last pantograph has crossed the analysed section.
+
+    The last ``settings.start`` of the line, which no passage reaches, is left out.
+    """
     case = model.case
     first, last = case.resolved_section()
     x = case.line.support_positions()
     forward = case.scenario.direction == "+x"
     way = x[last] if forward else x[-1] - x[first - 1]
+    way = min(way, x[-1] - case.settings.start)
     behind = case.pantographs[-1].behind
     reached = case.settings.start + duration * case.scenario.speed - behind
-    if reached < way:
+    if reached < way - 1e-9:
         raise ModelError(
             f"the line is too short: when the leading pantograph reaches its end, pantograph "
             f"{case.pantographs[-1].name!r}, {behind:g} m behind, is still "

@@ -116,21 +116,17 @@ def _interval_range(case: Case) -> tuple[float, float]:
 def _end_of_passage(case: Case) -> Iterator[Advice]:
     """Tell that a pantograph is still in the section when the passage ends."""
     first, last = case.resolved_section()
-    way, start = _way_through_section(case), case.settings.start
+    reach = case.line.length() - case.settings.start
     behind = case.pantographs[-1].behind
-    missing = way + behind - (case.line.length() - start)
+    missing = min(_way_through_section(case), reach) + behind - reach
     if missing <= 1e-9:
         return
-    spans = f"the analysed section (spans {first} to {last})"
     cure = "add spans (line.spans) or end the section earlier (settings.section)"
-    if way > case.line.length() - start:
-        text = f"the passage ends {start:g} m before the end of the line, and {spans} lies beyond"
-    else:
-        text = (
-            f"when the leading pantograph reaches the end of the line, pantograph "
-            f"{case.pantographs[-1].name!r}, {behind:g} m behind, is still {missing:.0f} m inside "
-            f"{spans}"
-        )
+    text = (
+        f"when the leading pantograph reaches the end of the line, pantograph "
+        f"{case.pantographs[-1].name!r}, {behind:g} m behind, is still {missing:.0f} m inside the "
+        f"analysed section (spans {first} to {last})"
+    )
     yield Advice("line too short", "refused", text, cure)
 
 

@@ -148,7 +148,7 @@ class _FormFinder:
 
     def bordered_band(self, system: System, width: int) -> Array:
         """Return the tangent with length columns in general banded storage."""
-        parts = tangent_parts(system, system.position, taut=self.problem.taut)
+        parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
         values = self.pattern.values(parts)[self.kept]
         rows, cols = self.pattern.rows[self.kept], self.pattern.cols[self.kept]
         blocks = [(rows, cols, values), self.cable_columns(system), self.dropper_columns(system)]

@@ -226,7 +226,7 @@ class TangentParts:
 
 
 def tangent_parts(
-    system: System, q: Array, *, taut: NDArray[np.bool_] | None = None
+    system: System, q: Array, *, taut: NDArray[np.bool_] | None = None, pushing: bool = False
 ) -> TangentParts:
     """Return the tangent of every part at ``q``.
 
@@ -237,10 +237,14 @@ def tangent_parts(
     q : (n_dof,)
         Nodal coordinates.
     taut : (n_dropper,) bool, optional
-        Droppers that carry force; all of them by default.
+        Droppers that have their stiffness; all of them by default.
+    pushing
+        True counts the force of droppers that are too short to be taut (while a shape is sought).
     """
     state = system.dropper_state(q)
     axial = system.dropper_stiffness * (state.length - system.dropper_length)
+    if not pushing:
+        axial = np.maximum(axial, 0.0)
     keep = np.ones(len(axial)) if taut is None else taut.astype(float)
     arms = system.arm_state(q)
     tension = system.arm_stiffness * (arms.length - system.arm_length)

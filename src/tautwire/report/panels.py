@@ -105,9 +105,7 @@ def panel_figure(
     return style.fit_legend(figure)
 
 
-def _add_axes(
-    figure: go.Figure, panel: Panel, suffix: str, domain: tuple[float, float]
-) -> None:
+def _add_axes(figure: go.Figure, panel: Panel, suffix: str, domain: tuple[float, float]) -> None:
     range_ = None if panel.x_range is None else list(panel.x_range)
     figure.update_layout(
         {
@@ -212,7 +210,5 @@ def bar_figure(
                 hovertemplate="%{y:.2f}",
             )
         )
-    figure.update_layout(
-        xaxis=style.axis(""), yaxis=style.axis(y_title, rangemode="tozero")
-    )
+    figure.update_layout(xaxis=style.axis(""), yaxis=style.axis(y_title, rangemode="tozero"))
     return style.fit_legend(figure)

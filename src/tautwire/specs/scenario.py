@@ -52,7 +52,8 @@ class Scenario(Spec):
     uplift_force: ForcePerPantograph | None = Field(
         default=None,
         description="Uplift force, prescribed, for all pantographs or one value each; excludes "
-        "mean_force. Without either, each pantograph's static and aerodynamic force acts.",
+        "mean_force. Without either, each pantograph's static and aerodynamic force acts. "
+        "0 lowers a pantograph: it does not touch the wire.",
     )
     uplift_guess: ForcePerPantograph | None = Field(
         default=None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,7 +55,9 @@ class Evidence:
     @property
     def requirement(self) -> str:
         """The limits in words."""
-        low, high = (f"{value:.5g}".replace("-", "\N{MINUS SIGN}") for value in (self.low, self.high))
+        low, high = (
+            f"{value:.5g}".replace("-", "\N{MINUS SIGN}") for value in (self.low, self.high)
+        )
         if math.isfinite(self.low) and math.isfinite(self.high):
             return f"{low} to {high}"
         if math.isfinite(self.low):
@@ -177,8 +179,6 @@ def counts(claims: Sequence[Claim]) -> dict[str, int]:
     """Return the number of claims per verdict."""
     verdicts = [claim.verdict for claim in claims]
     return {verdict: verdicts.count(verdict) for verdict in VERDICTS if verdict in verdicts}
-
-
 
 
 def _finite(value: float | None) -> float | None:

@@ -63,8 +63,7 @@ def gather(passages: Passages, scope: Scope) -> dict[str, Curves]:
     for stiffness in STIFFNESSES:
         for mean, label in ((None, LAW), (OTHER_MEAN, f"{OTHER_MEAN:g} N")):
             names = [
-                standard(scope.mesh, stiffness, v, None if v == TOP_SPEED else mean)
-                for v in SPEEDS
+                standard(scope.mesh, stiffness, v, None if v == TOP_SPEED else mean) for v in SPEEDS
             ]
             if passages.has(*names) and (mean is None or stiffness == FITTING):
                 found[f"{stiffness} kN/m, mean force {label}"] = _curves(passages, names)

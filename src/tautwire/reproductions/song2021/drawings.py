@@ -84,9 +84,7 @@ def mesh_bars(passages: Passages, k: int) -> go.Figure:
 
 def mesh_spectra(passages: Passages, k: int) -> go.Figure:
     """Draw Fig. 6."""
-    lines = {
-        f"NAD {m}: {f:g}": f for m, pair in published.ELEMENT_PASSING.items() for f in pair
-    }
+    lines = {f"NAD {m}: {f:g}": f for m, pair in published.ELEMENT_PASSING.items() for f in pair}
     lines["NAD 9, n = 2: 247.3"] = 2.0 * published.ELEMENT_PASSING[9][0]
     panels = []
     for letter, (low, high) in zip("abcd", BANDS, strict=True):
@@ -94,9 +92,7 @@ def mesh_spectra(passages: Passages, k: int) -> go.Figure:
         for number, m in enumerate(MESHES):
             spectrum = passages.spectrum(standard(m, k))
             band = (spectrum.abscissa >= low) & (spectrum.abscissa <= high)
-            curves.append(
-                Curve(f"NAD {m}", spectrum.abscissa[band], spectrum.value[band], number)
-            )
+            curves.append(Curve(f"NAD {m}", spectrum.abscissa[band], spectrum.value[band], number))
         marks = {name: f for name, f in lines.items() if low < f < high}
         title = f"({letter}) {low:g} to {high:g} Hz"
         panels.append(Panel(title, curves, "amplitude [N]", (low, high), marks))

@@ -188,7 +188,9 @@ def _element_lines(passages: Passages, every: Sequence[int]) -> list[Claim]:
             f"Element passing of NAD {mesh} at {frequency} Hz shows as a peak of the spectrum and "
             f"not on {'the finer mesh' if mesh != 18 else 'another mesh'}.",
             _line_evidence(passages, mesh, every, frequency),
-            "" if frequency < 300.0 else "The paper calculates this one and does not claim to see "
+            ""
+            if frequency < 300.0
+            else "The paper calculates this one and does not claim to see "
             "it: its Fig. 6 ends at 300 Hz.",
         )
         for mesh, pair in published.ELEMENT_PASSING.items()

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tautwire import __version__
-
 from tautwire.report.blocks import (
     Callout,
     Cell,

@@ -34,7 +34,8 @@ def sources_section(material: Material) -> Section:
         if found.numbers:
             blocks.append(_mode_chart(name, found))
         else:
-            blocks.append(Text(f"{name}: none of {found.searched} modes is sensitive to it.", "note"))
+            text = f"{name}: none of {found.searched} modes is sensitive to it."
+            blocks.append(Text(text, "note"))
     blocks.append(Heading("Suggested frequency range (IV.C)"))
     if material.curves:
         blocks += [

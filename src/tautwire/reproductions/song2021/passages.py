@@ -102,9 +102,7 @@ FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200))
 QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS, (FITTING,))
 
 
-def standard(
-    mesh: int, stiffness: int, speed: int = TOP_SPEED, mean: float | None = None
-) -> str:
+def standard(mesh: int, stiffness: int, speed: int = TOP_SPEED, mean: float | None = None) -> str:
     """Return the name of a passage by mesh, contact stiffness [kN/m] and speed [km/h]."""
     suffix = "" if mean is None else f"-mean{mean:g}"
     return f"nad{mesh}-k{stiffness}-v{speed}{suffix}"
@@ -193,9 +191,7 @@ def passage_study(
             "title": "Passages of Song, Ronnquist, Navik (2021)",
             "base": BASE,
             "overrides": dict(changes or {}),
-            "axes": {
-                "passage": {"variants": {name: dict(v) for name, v in variants.items()}}
-            },
+            "axes": {"passage": {"variants": {name: dict(v) for name, v in variants.items()}}},
             "keep_runs": True,
         }
     )

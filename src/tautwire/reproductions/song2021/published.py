@@ -27,7 +27,15 @@ LARGEST_ELASTICITY_ERROR = 6.52
 ACCEPTED_ELASTICITY_ERROR = 10.0
 """Section II.C: threshold of the static validation [%]."""
 
-QUANTITIES = ("mean", "std_0_20", "std_0_2", "std_0_5", "std_5_20", "maximum", "minimum")
+QUANTITIES: tuple[str, ...] = (
+    "mean",
+    "std_0_20",
+    "std_0_2",
+    "std_0_5",
+    "std_5_20",
+    "maximum",
+    "minimum",
+)
 NAMES = {
     "mean": "Fm",
     "std_0_20": "σ (0–20 Hz)",
@@ -37,10 +45,14 @@ NAMES = {
     "maximum": "Fmax",
     "minimum": "Fmin",
 }
-BENCHMARK = dict(zip(QUANTITIES, (169.0, 53.91, 38.27, 41.04, 34.80, 313.22, 60.40), strict=True))
+BENCHMARK: dict[str, float] = dict(
+    zip(QUANTITIES, (169.0, 53.91, 38.27, 41.04, 34.80, 313.22, 60.40), strict=True)
+)
 """Table 2: mean of the benchmark [N]."""
 
-PAPER = dict(zip(QUANTITIES, (169.15, 52.59, 38.25, 41.00, 32.99, 305.85, 56.22), strict=True))
+PAPER: dict[str, float] = dict(
+    zip(QUANTITIES, (169.15, 52.59, 38.25, 41.00, 32.99, 305.85, 56.22), strict=True)
+)
 """Table 2: the paper's model [N]."""
 
 ELEMENT_PASSING = {

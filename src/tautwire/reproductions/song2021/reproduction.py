@@ -28,7 +28,6 @@ from tautwire.reproductions.song2021 import (
 from tautwire.reproductions.song2021.claims import RULE, Claim, counts
 from tautwire.reproductions.song2021.forces import Passages
 from tautwire.reproductions.song2021.passages import (
-    BASE,
     FULL,
     STIFFNESSES,
     Scope,
@@ -241,9 +240,7 @@ def _material(
     changes: Mapping[str, Any] | None,
 ) -> Material:
     store = Store(folder / "passages")
-    own = Passages(
-        {name: store.run_path(row["key"]) for name, row in rows["passages"].items()}
-    )
+    own = Passages({name: store.run_path(row["key"]) for name, row in rows["passages"].items()})
     every = ((k, sources.gather(own, scope, k)) for k in STIFFNESSES)
     losses = ((k, steps.table(own, k)) for k in scope.irregular)
     return Material(

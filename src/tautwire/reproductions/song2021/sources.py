@@ -204,7 +204,7 @@ def _negligible(by_stiffness: Mapping[int, Sources]) -> Claim:
         "energy-elsewhere",
         "IV.A",
         "Out of the regions the spectrum energy is small and can be neglected (limit here: "
-        f"{NEGLIGIBLE:g} %; a region reaches {100 * REGION:g} % to either side of its wave number).",
+        f"{NEGLIGIBLE:g} %; a region reaches {100 * REGION:g} % to either side of it).",
         tuple(found),
         "The paper does not state the width of its regions.",
     )

@@ -243,9 +243,7 @@ def _method(tables: Mapping[int, LossTable]) -> Claim:
     found: list[Evidence] = []
     for k, own in tables.items():
         for name in _references(own):
-            medians = [
-                float(np.median(own.errors(way, LOCATED_5))) for way in (name, COUNTED_1)
-            ]
+            medians = [float(np.median(own.errors(way, LOCATED_5))) for way in (name, COUNTED_1)]
             where = _condition(k, name)
             text = "median error against 0.2 ms, located: its own over that of 1 ms, counted"
             found.append(most(where, text, medians[0] / medians[1], 0.5, "1"))

@@ -161,11 +161,9 @@ def _conclusion(passages: Passages, meshes: Sequence[int]) -> Claim:
         falling = share_that_falls(passages, mesh, low, high)
         found.append(most(condition(mesh), f"share of peaks that fall, {low:g}–{high:g} Hz",
                           falling, MOST))  # fmt: skip
-        bands = [
-            np.sqrt(deviations(passages, mesh, 200)[i] ** 2 - deviations(passages, mesh, 50)[i] ** 2)
-            for i in (0, -1)
-        ]
+        wide, narrow = (deviations(passages, mesh, cutoff) for cutoff in (200, 50))
+        bands = np.sqrt(wide**2 - narrow**2)
         found.append(least(condition(mesh), "σ(50–200) of 500 over that of 50 kN/m",
-                           float(bands[1] / bands[0]), 1.0, "1"))  # fmt: skip
+                           float(bands[-1] / bands[0]), 1.0, "1"))  # fmt: skip
     text = "Conclusion 2: contact stiffness increases the fluctuation in the high-frequency range."
     return Claim("stiffness-conclusion", "VI.2", text, tuple(found))
