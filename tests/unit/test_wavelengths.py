@@ -13,6 +13,7 @@ from tautwire.analyses.wavelengths import (
     line_lengths,
     name_peaks,
     presag_spectrum,
+    span_comb,
     strength_at,
     strengths,
 )
@@ -114,6 +115,18 @@ def test_presag_is_a_comb(shape: Equilibrium) -> None:
     assert spectrum.value[~on_comb].max() < 0.02 * spectrum.value.max()
     peaks = name_peaks(spectrum, {"span": 55.0, "DD/2": 2.875})
     assert "span" in {peak.name for peak in peaks}
+
+
+def test_presag_peaks_at_the_dropper_interval(shape: Equilibrium) -> None:
+    """On the comb of the span, DD/2 is the 19th multiple and stands out (paper, Fig. 11a)."""
+    comb = span_comb(presag_spectrum(shape, (2, 4), window="none"), 55.0)
+    assert comb.abscissa[19] == pytest.approx(19 / 55.0)
+    assert comb.value[19] > 2.0 * max(comb.value[18], comb.value[20])
+    strong = strengths(comb, {"DD/2": 2.875}, lines=0.5)[0]
+    assert strong.value == comb.value[19]
+    assert strong.ratio > 2.0
+    with pytest.raises(InputError, match="does not resolve"):
+        span_comb(presag_spectrum(shape, (3, 3)), 55.0)
 
 
 def test_section_off_the_line_is_refused(shape: Equilibrium) -> None:

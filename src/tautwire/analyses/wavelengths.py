@@ -177,6 +177,7 @@ def name_peaks(
     speed: float | None = None,
     count: int = 12,
     above: float = 0.0,
+    lines: float = 1.5,
 ) -> tuple[Peak, ...]:
     """Find the highest peaks of a spectrum and name those that a length of the line explains.
 
@@ -192,6 +193,8 @@ def name_peaks(
         Number of peaks.
     above
         Peaks at or below this abscissa are left out.
+    lines
+        A peak is named within so many lines of the spectrum, or within 2 %; 0.5 suits a comb.
 
     Returns
     -------
@@ -210,7 +213,7 @@ def name_peaks(
         near = {
             name: abs(place - x)
             for name, place in places.items()
-            if abs(place - x) <= max(1.5 * spectrum.resolution, _NAMED_WITHIN * place)
+            if abs(place - x) <= max(lines * spectrum.resolution, _NAMED_WITHIN * place)
         }
         name = min(near, key=lambda item: near[item]) if near else ""
         peaks.append(Peak(x, float(value[index]), name))
@@ -243,7 +246,9 @@ class Strength:
         return self.value / self.background if self.background > 0.0 else float("inf")
 
 
-def strength_at(spectrum: Spectrum, abscissa: float, name: str = "") -> Strength:
+def strength_at(
+    spectrum: Spectrum, abscissa: float, name: str = "", *, lines: float = 2.5
+) -> Strength:
     """Compare a spectrum at a place with the background around it.
 
     Parameters
@@ -251,10 +256,12 @@ def strength_at(spectrum: Spectrum, abscissa: float, name: str = "") -> Strength
     spectrum
         Over frequency or wave number.
     abscissa
-        Where to look; two lines to either side are searched. The background is taken from 15 %
-        below to 15 % above, without them.
+        Where to look. The background is taken from 15 % below to 15 % above, without the lines
+        searched.
     name
         What is looked for.
+    lines
+        How many lines of the spectrum to either side are searched; 0.5 suits a comb.
 
     Returns
     -------
@@ -271,14 +278,18 @@ def strength_at(spectrum: Spectrum, abscissa: float, name: str = "") -> Strength
             f"{name or 'the line'} at {abscissa:g} {spectrum.abscissa_unit} lies outside the "
             f"spectrum, which ends at {x[-1]:g} {spectrum.abscissa_unit}"
         )
-    near = np.abs(x - abscissa) <= 2.5 * step
+    near = np.abs(x - abscissa) <= lines * step * (1.0 + 1e-9)
     around = (np.abs(x - abscissa) <= _BACKGROUND * abscissa) & ~near
     background = float(np.median(spectrum.value[around])) if around.any() else float("nan")
     return Strength(name, abscissa, float(spectrum.value[near].max()), background)
 
 
 def strengths(
-    spectrum: Spectrum, lengths: Mapping[str, float], speed: float | None = None
+    spectrum: Spectrum,
+    lengths: Mapping[str, float],
+    speed: float | None = None,
+    *,
+    lines: float = 2.5,
 ) -> tuple[Strength, ...]:
     """Compare a spectrum with its background at every length of the line that it reaches.
 
@@ -290,6 +301,8 @@ def strengths(
         Name and length [m].
     speed
         Speed at which a spectrum over frequency was recorded [m/s].
+    lines
+        How many lines of the spectrum to either side are searched; 0.5 suits a comb.
 
     Returns
     -------
@@ -298,10 +311,45 @@ def strengths(
     """
     highest = float(spectrum.abscissa[-1])
     return tuple(
-        strength_at(spectrum, place, name)
+        strength_at(spectrum, place, name, lines=lines)
         for name, place in _places(spectrum, lengths, speed).items()
         if spectrum.resolution <= place <= highest
     )
+
+
+def span_comb(spectrum: Spectrum, span: float, speed: float | None = None) -> Spectrum:
+    """Reduce a spectrum to the multiples of the span, of which that of a periodic line consists.
+
+    Parameters
+    ----------
+    spectrum
+        Over wave number, or over frequency with `speed`.
+    span
+        Length of the period [m].
+    speed
+        Speed at which a spectrum over frequency was recorded [m/s].
+
+    Returns
+    -------
+    Spectrum
+        Line n is the largest value nearest to ``n/span`` (``n speed/span``).
+
+    Raises
+    ------
+    InputError
+        When the spectrum does not resolve the span.
+    """
+    step = _places(spectrum, {"span": span}, speed)["span"]
+    if step < 2.0 * spectrum.resolution:
+        raise InputError(
+            f"a spectrum with a line every {spectrum.resolution:.3g} {spectrum.abscissa_unit} does "
+            f"not resolve a span of {span:g} m; analyse more spans"
+        )
+    order = np.round(spectrum.abscissa / step).astype(np.int64)
+    value = np.zeros(int(spectrum.abscissa[-1] / step) + 1)
+    inside = order < len(value)
+    np.maximum.at(value, order[inside], spectrum.value[inside])
+    return Spectrum(step * np.arange(len(value)), value, spectrum.abscissa_unit, spectrum.window, 1)
 
 
 def _places(

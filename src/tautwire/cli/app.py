@@ -263,16 +263,34 @@ def compare(
 @app.command()
 def reproduce(
     study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="Published study: en50318-2002.")
+        str, typer.Argument(metavar="STUDY", help="Published study: en50318-2002 or song2021.")
     ],
     out: OutFolderOption = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="song2021: fewer readings and coarser meshes.")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="N", help="song2021: processes; one per core by default.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Repeat a published study and judge each of its claims: a validation record."""
-    with answering(as_json) as answer:
-        from tautwire.cli.reproduce_command import reproduce_study
+    """Repeat a published study and judge each of its claims: a validation record.
 
-        reproduce_study(answer, study, out)
+    song2021 keeps every finished passage in its folder; started again, it computes the rest.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.reproduce_command import SONG, reproduce_study
+
+        if study == SONG:
+            from tautwire.cli.song_command import reproduce_song
+
+            reproduce_song(answer, out, workers, quick=quick)
+        else:
+            reproduce_study(answer, study, out)
 
 
 @app.command()

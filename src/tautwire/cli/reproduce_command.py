@@ -17,12 +17,15 @@ from tautwire.reproductions import en50318_2002
 from tautwire.reproductions.record import Record, found_text, range_text, writers
 
 STUDIES = {en50318_2002.STUDY: en50318_2002.reproduce}
+SONG = "song2021"
+"""A study with a command of its own, see :mod:`tautwire.cli.song_command`."""
 
 
 def reproduce_study(answer: Answer, study: str, out: Path | None) -> None:
     """Repeat a study, show its record and write its files."""
     if study not in STUDIES:
-        hint = did_you_mean(study, STUDIES) or f"; there are: {', '.join(STUDIES)}"
+        names = [*STUDIES, SONG]
+        hint = did_you_mean(study, names) or f"; there are: {', '.join(names)}"
         raise InputError(f"STUDY {study!r}: there is no such study{hint}")
     wanted, interrupts = out or Path(f"tautwire-reproduce-{study}"), Interrupts()
     with prepared_folder(wanted) as folder, interrupts.handled():

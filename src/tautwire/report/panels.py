@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tautwire.report import style
-from tautwire.report.packing import floats, thinned
+from tautwire.report.packing import thinned
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -136,8 +136,8 @@ def _add_curve(figure: go.Figure, curve: Curve, suffix: str, *, show: bool) -> N
     kept = thinned(y, MOST_POINTS)
     figure.add_trace(
         go.Scatter(
-            x=floats(x[kept]),
-            y=floats(y[kept]),
+            x=x[kept].astype(np.float32),
+            y=y[kept].astype(np.float32),
             name=curve.name,
             legendgroup=curve.name,
             showlegend=show and bool(curve.name),

@@ -163,4 +163,4 @@ def comb(spectrum: Spectrum, spacing: float, highest: float) -> Comb:
     value = np.zeros(count + 1)
     kept = number <= count
     np.maximum.at(value, number[kept], spectrum.value[kept])
-    return Comb(spacing * np.arange(1, count + 1), value[1:])
+    return Comb(spacing * np.arange(1.0, count + 1.0), value[1:])

@@ -46,6 +46,7 @@ OUTCOMES = {
     NOT_REPRODUCED: "failed",
     NO_VALUE: "unverified",
 }
+SHORT = {CONDITIONAL: "conditional"}
 MOST_NUMBERS = 400
 """Longest table of evidence; the CSV file has all."""
 
@@ -91,7 +92,7 @@ def _masthead(record: SongRecord) -> dict[str, object]:
 
 def _summary(record: SongRecord) -> Section:
     found = counts(record.claims)
-    words = {REPRODUCED: "reproduced", CONDITIONAL: "under stated conditions",
+    words = {REPRODUCED: "reproduced", CONDITIONAL: "reproduced under stated conditions",
              NOT_REPRODUCED: "not reproduced", NO_VALUE: "not evaluated"}  # fmt: skip
     keys = tuple(Key(str(found[v]), "", word) for v, word in words.items() if v in found)
     blocks: list[object] = [Text(record.statement, "statement"), Keys(keys), Text(RULE)]
@@ -108,7 +109,7 @@ def _claim_row(claim: Claim) -> tuple[Cell, ...]:
     return (
         claim.section,
         claim.statement,
-        Verdict(claim.verdict, OUTCOMES[claim.verdict]),
+        Verdict(SHORT.get(claim.verdict, claim.verdict), OUTCOMES[claim.verdict]),
         brief(claim),
     )
 

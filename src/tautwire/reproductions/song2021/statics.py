@@ -45,7 +45,7 @@ class Statics:
 
 def reading(fixing: str, load: float) -> str:
     """Name a reading of the elasticity."""
-    return f"messenger wire {fixing} along the track, {load:g} N"
+    return f"messenger {fixing}, {load:g} N"
 
 
 def compute_statics(changes: Mapping[str, Any] | None = None) -> Statics:
@@ -128,7 +128,8 @@ def claims(statics: Statics) -> list[Claim]:
             "Elasticity at supports and droppers, the paper's column of Table 1 "
             f"(limit here: within {100 * ELASTICITY_WITHIN:g} % at every point).",
             own,
-            "The force and the fixing of the messenger wire are not stated.",
+            "The force, and whether supports hold the messenger wire along the track (fixed) or not "
+            "(free), are not stated.",
         ),
         Claim(
             "table-1-benchmark",

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from tautwire.analyses.section import analysed_section, time_in_section
 from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
 from tautwire.reproductions.song2021.forces import Passages
-from tautwire.reproductions.song2021.passages import STEPS, STIFFNESSES, irregular, standard
+from tautwire.reproductions.song2021.passages import (
+    MESHES,
+    STEPS,
+    STIFFNESSES,
+    irregular,
+    standard,
+)
 from tautwire.results.run import PantographRecord, Run
 from tautwire.signals.losses import clip_intervals, loss_intervals
 
@@ -170,11 +176,17 @@ def claims(passages: Passages, tables: Mapping[int, LossTable]) -> list[Claim]:
 
 def _no_loss(passages: Passages) -> Claim:
     found = tuple(
-        most(f"{k} kN/m", "contact losses on the ideal line", located(
-            passages.run(standard(9, k))).start.size, 0.0, "")
+        most(
+            f"NAD {m}, {k} kN/m",
+            "contact losses on the ideal line",
+            located(passages.run(standard(m, k))).start.size,
+            0.0,
+            "",
+        )
+        for m in (MESHES[0], MESHES[-2])
         for k in STIFFNESSES
-        if passages.has(standard(9, k))
-    )  # fmt: skip
+        if passages.has(standard(m, k))
+    )
     text = "Simulations in ideal conditions cannot reproduce contact loss."
     return Claim("losses-ideal", "V.B", text, found)
 
