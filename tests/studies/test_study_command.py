@@ -83,6 +83,8 @@ def test_document(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> No
     assert diverged["reason"].startswith("The passage stopped at")
     assert refused["cases"] == [5, 6]
     assert "wave speed" in refused["reason"]
+    assert "mesh: elements of up to" in outcome.stderr
+    assert "of 4 cases" in outcome.stderr
     assert [axis["name"] for axis in document["axes"]] == ["speed", "m"]
     assert len(document["rows"]) == 6
 

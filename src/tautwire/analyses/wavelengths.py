@@ -349,7 +349,8 @@ def span_comb(spectrum: Spectrum, span: float, speed: float | None = None) -> Sp
     value = np.zeros(int(spectrum.abscissa[-1] / step) + 1)
     inside = order < len(value)
     np.maximum.at(value, order[inside], spectrum.value[inside])
-    return Spectrum(step * np.arange(len(value)), value, spectrum.abscissa_unit, spectrum.window, 1)
+    places = np.linspace(0.0, step * (len(value) - 1), len(value))
+    return Spectrum(places, value, spectrum.abscissa_unit, spectrum.window, 1)
 
 
 def _places(

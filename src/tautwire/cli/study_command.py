@@ -22,6 +22,7 @@ from tautwire.cli.progress import duration
 from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.model.preflight import Advice, preflight
 from tautwire.report.study_figures import readable_axis
 from tautwire.report.study_page import write_study_report
 from tautwire.report.words import number
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 SECONDS_BETWEEN_LINES = 20.0
 MOST_ROWS = 30
 MOST_WORKERS = 1000
+MOST_ADVISED = 300
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
         executor = _executor(request, folder)
         answer.say(program())
         answer.say(_opening(plan))
+        _tell_advice(answer, plan)
         with StudyWatch(answer, interrupts) as watch, interrupts.patient():
             found, stopped = _computed(plan, folder, executor, request.options, watch)
         with interrupts.patient():
@@ -119,6 +122,21 @@ def _opening(plan: Plan) -> str:
     refused = sum(bool(point.problems) for point in plan.points)
     text = f"{len(plan.points)} cases: {axes}"
     return f"{text}; {refused} of them refused by validation" if refused else text
+
+
+def _tell_advice(answer: Answer, plan: Plan) -> None:
+    """Tell before the work what mesh, step and line of the cases cannot do, alike ones once."""
+    points = list(plan.by_key.values())[:MOST_ADVISED]
+    found: dict[tuple[str, str], list[Advice]] = {}
+    for point in points:
+        for advice in preflight(plan.case(point)):
+            found.setdefault((advice.severity, advice.topic), []).append(advice)
+    for (severity, _), alike in found.items():
+        text = f"{alike[0]} ({len(alike)} of {len(points)} cases)"
+        if severity == "note":
+            answer.say(f"note: {text}")
+        else:
+            answer.warn([text])
 
 
 def _conclude(

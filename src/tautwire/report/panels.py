@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 MOST_POINTS = 8000
-GAP = 0.075
+GAP = 46
+"""Room between two panels for tick labels and a title [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,8 @@ class Curve:
         ``"lines"``, ``"markers"`` or ``"lines+markers"``.
     width : float
         Of the line [px].
+    dash : str
+        Dash of the line; that of the look by default.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Curve:
     look: int = 0
     mode: str = "lines"
     width: float = 1.4
+    dash: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +92,12 @@ def panel_figure(
     import plotly.graph_objects as go
 
     figure = go.Figure(layout=style.layout(60 + height * len(panels), top=62))
-    part = (1.0 - GAP * (len(panels) - 1)) / len(panels)
+    gap = GAP / (height * len(panels))
+    part = (1.0 - gap * (len(panels) - 1)) / len(panels)
     seen: set[str] = set()
     for number, panel in enumerate(panels):
         suffix = "" if number == 0 else str(number + 1)
-        top = 1.0 - number * (part + GAP)
+        top = 1.0 - number * (part + gap)
         _add_axes(figure, panel, suffix, (max(0.0, top - part), top))
         if number == len(panels) - 1:
             figure.layout[f"xaxis{suffix}"].title = {"text": x_title, "standoff": 8}
@@ -142,7 +147,7 @@ def _add_curve(figure: go.Figure, curve: Curve, suffix: str, *, show: bool) -> N
             legendgroup=curve.name,
             showlegend=show and bool(curve.name),
             mode=curve.mode,
-            line={"color": look.colour, "dash": look.dash, "width": curve.width},
+            line={"color": look.colour, "dash": curve.dash or look.dash, "width": curve.width},
             marker={"color": look.colour, "symbol": look.symbol, "size": 7},
             xaxis=f"x{suffix}",
             yaxis=f"y{suffix}",

@@ -45,7 +45,7 @@ def configuration(shape: Equilibrium) -> go.Figure:
     side = [
         Curve("contact wire", contact[:, 0], contact[:, 2], 0, width=1.8),
         Curve("messenger wire", messenger[:, 0], messenger[:, 2], 1, width=1.8),
-        Curve("droppers", x, z, 5, width=1.0),
+        Curve("droppers", x, z, 5, width=1.0, dash="solid"),
     ]
     return panel_figure(
         [Panel("side view", side, "height [m]"), Panel("plan", y, "lateral [m]")],

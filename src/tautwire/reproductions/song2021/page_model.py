@@ -76,14 +76,14 @@ def _table_1(material: Material) -> Table:
         for i, place in enumerate(places)
     ]
     for label, wanted in (
-        ("largest deviation from the paper [%]", published.ELASTICITY_PAPER),
-        ("largest deviation from the benchmark [%]", published.ELASTICITY_BENCHMARK),
+        ("off the paper [%]", published.ELASTICITY_PAPER),
+        ("off the benchmark [%]", published.ELASTICITY_BENCHMARK),
     ):
         values = [largest_deviation(own, wanted) for own in found.elasticity.values()]
         rows.append((label, "", "", "", "", *(number(v, 1) for v in values)))
     return Table(
         "Table 1 of the paper: pre-sag [mm] and elasticity [mm/N] of a span in the middle; the "
-        "other half is the mirror image.",
+        "other half is the mirror image. Last rows: largest deviation.",
         ("", "pre-sag, paper", "found", "elasticity, benchmark", "paper", *found.elasticity),
         "lrrrr" + "r" * len(found.elasticity),
         tuple(rows),

@@ -128,8 +128,8 @@ def claims(statics: Statics) -> list[Claim]:
             "Elasticity at supports and droppers, the paper's column of Table 1 "
             f"(limit here: within {100 * ELASTICITY_WITHIN:g} % at every point).",
             own,
-            "The force, and whether supports hold the messenger wire along the track (fixed) or not "
-            "(free), are not stated.",
+            "The force, and whether supports hold the messenger wire along the track (fixed or "
+            "free), are not stated.",
         ),
         Claim(
             "table-1-benchmark",

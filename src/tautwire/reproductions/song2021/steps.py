@@ -102,7 +102,9 @@ def counted(run: Run) -> Losses:
     first = np.flatnonzero(lost[1:] & ~lost[:-1])
     last = np.flatnonzero(~lost[1:] & lost[:-1])
     step = float(np.median(np.diff(time)))
-    return Losses(time[first], time[last - 1] + step, (last - first) * step)
+    return Losses(
+        time[first], time[last - 1] + step, np.asarray((last - first) * step, dtype=np.float64)
+    )
 
 
 def _window(run: Run, record: PantographRecord) -> tuple[float, float]:

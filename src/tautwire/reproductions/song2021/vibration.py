@@ -102,6 +102,8 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
     Parameters
     ----------
     case
+    _keep_run
+        Without effect: there is no history to keep.
     """
     wanted = line_lengths(case).named(elements=False)[case.title]
     model = build(case)
