@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,8 @@ from tautwire.report.packing import thinned
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
+
+Figure: TypeAlias = "go.Figure"
 
 MOST_POINTS = 8000
 GAP = 46

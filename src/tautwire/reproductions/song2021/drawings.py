@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.panels import Curve, Panel, bar_figure, panel_figure
+from tautwire.report.panels import Curve, Figure, Panel, bar_figure, panel_figure
 from tautwire.reproductions.song2021 import mesh, published, stiffness
 from tautwire.reproductions.song2021.forces import Passages
 from tautwire.reproductions.song2021.passages import MESHES, STIFFNESSES, standard
 from tautwire.results.equilibrium import Equilibrium
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 
@@ -31,7 +26,7 @@ def two_spans(supports: Array) -> tuple[float, float]:
     return float(supports[middle - 1]), float(supports[middle + 1])
 
 
-def configuration(shape: Equilibrium) -> go.Figure:
+def configuration(shape: Equilibrium) -> Figure:
     """Draw Fig. 3."""
     contact, messenger = shape.contact_position, shape.messenger_position
     number = np.searchsorted(shape.station_x, shape.dropper_x - 1e-6)
@@ -55,7 +50,7 @@ def configuration(shape: Equilibrium) -> go.Figure:
     )
 
 
-def mesh_forces(passages: Passages, k: int) -> go.Figure:
+def mesh_forces(passages: Passages, k: int) -> Figure:
     """Draw Fig. 4."""
     supports = passages.run(standard(9, k)).equilibrium.support_x
     panels = []
@@ -72,7 +67,7 @@ def mesh_forces(passages: Passages, k: int) -> go.Figure:
     return panel_figure(panels, POSITION, 270, shared=True)
 
 
-def mesh_bars(passages: Passages, k: int) -> go.Figure:
+def mesh_bars(passages: Passages, k: int) -> Figure:
     """Draw Fig. 5."""
     found = mesh.deviations(passages, k)
     series = {
@@ -82,7 +77,7 @@ def mesh_bars(passages: Passages, k: int) -> go.Figure:
     return bar_figure([f"0–{cutoff} Hz" for cutoff in mesh.CUTOFFS], series, DEVIATION)
 
 
-def mesh_spectra(passages: Passages, k: int) -> go.Figure:
+def mesh_spectra(passages: Passages, k: int) -> Figure:
     """Draw Fig. 6."""
     lines = {f"NAD {m}: {f:g}": f for m, pair in published.ELEMENT_PASSING.items() for f in pair}
     lines["NAD 9, n = 2: 247.3"] = 2.0 * published.ELEMENT_PASSING[9][0]
@@ -99,7 +94,7 @@ def mesh_spectra(passages: Passages, k: int) -> go.Figure:
     return panel_figure(panels, FREQUENCY, 250)
 
 
-def stiffness_forces(passages: Passages, m: int) -> go.Figure:
+def stiffness_forces(passages: Passages, m: int) -> Figure:
     """Draw Fig. 7."""
     supports = passages.run(standard(m, STIFFNESSES[0])).equilibrium.support_x
     low, high = two_spans(supports)
@@ -113,7 +108,7 @@ def stiffness_forces(passages: Passages, m: int) -> go.Figure:
     return panel_figure([Panel("0 to 200 Hz", curves, FORCE, (low, high))], POSITION, 380)
 
 
-def stiffness_spectra(passages: Passages, m: int) -> go.Figure:
+def stiffness_spectra(passages: Passages, m: int) -> Figure:
     """Draw Fig. 8."""
     panels = []
     for letter, (low, high) in zip("ab", stiffness.BANDS, strict=True):
@@ -127,7 +122,7 @@ def stiffness_spectra(passages: Passages, m: int) -> go.Figure:
     return panel_figure(panels, FREQUENCY, 290)
 
 
-def stiffness_curves(passages: Passages) -> go.Figure:
+def stiffness_curves(passages: Passages) -> Figure:
     """Draw Fig. 9 for every mesh on which all stiffnesses were computed."""
     panels = []
     for m in stiffness.computed(passages):

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.panels import Curve, Panel, panel_figure
+from tautwire.report.panels import Curve, Figure, Panel, panel_figure
 from tautwire.reproductions.song2021 import sources, steps
 from tautwire.reproductions.song2021.cutoffs import Curves
 from tautwire.reproductions.song2021.drawings import DEVIATION, FORCE, POSITION
@@ -17,16 +16,13 @@ from tautwire.reproductions.song2021.passages import SPEEDS, irregular
 from tautwire.reproductions.song2021.vibration import Found
 from tautwire.results.equilibrium import Equilibrium
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
 Array = NDArray[np.float64]
 
 AROUND = 0.012
 """Time shown to either side of a loss [s]."""
 
 
-def presag(shapes: Mapping[str, Equilibrium], section: tuple[float, float]) -> go.Figure:
+def presag(shapes: Mapping[str, Equilibrium], section: tuple[float, float]) -> Figure:
     """Draw Figs 10 and 17: how far the contact wire lies below the supports."""
     curves = []
     for number, (name, shape) in enumerate(shapes.items()):
@@ -37,7 +33,7 @@ def presag(shapes: Mapping[str, Equilibrium], section: tuple[float, float]) -> g
     return panel_figure([Panel("", curves, "height over supports [mm]", section)], POSITION, 300)
 
 
-def source_spectra(found: sources.Sources) -> go.Figure:
+def source_spectra(found: sources.Sources) -> Figure:
     """Draw Fig. 11 over wave number, DD, SD and their fractions marked."""
     marks = {f"{name} {value:.3g} m": 1.0 / value for name, value in found.lengths.items()}
     panels = []
@@ -55,7 +51,7 @@ def source_spectra(found: sources.Sources) -> go.Figure:
     return panel_figure(panels, "wave number [1/m]", 250, shared=True)
 
 
-def mode(found: Found) -> go.Figure:
+def mode(found: Found) -> Figure:
     """Draw Figs 13 and 14: shape of the contact wire and its spectrum."""
     shape = Curve("contact wire", found.x, found.shape, 0, width=1.0)
     spectrum = Curve("spectrum", found.wavenumber, found.amplitude, 1)
@@ -67,7 +63,7 @@ def mode(found: Found) -> go.Figure:
     return panel_figure(panels, "wave number [1/m]", 250)
 
 
-def speed_curves(curves: Mapping[str, Curves]) -> go.Figure:
+def speed_curves(curves: Mapping[str, Curves]) -> Figure:
     """Draw Fig. 15, a panel per reading."""
     panels = []
     for name, own in curves.items():
@@ -81,7 +77,7 @@ def speed_curves(curves: Mapping[str, Curves]) -> go.Figure:
     return panel_figure(panels, "speed [km/h]", 240)
 
 
-def event(passages: Passages, stiffness: int, when: float) -> go.Figure:
+def event(passages: Passages, stiffness: int, when: float) -> Figure:
     """Draw Fig. 16 from a separation: penetration, tangent line, located instant."""
     run = passages.run(irregular("1ms", stiffness))
     record = run.pantographs[0]
@@ -106,7 +102,7 @@ def event(passages: Passages, stiffness: int, when: float) -> go.Figure:
                         "time from the last step in contact [ms]", 360)  # fmt: skip
 
 
-def step_forces(passages: Passages, stiffness: int, whens: tuple[float, ...]) -> go.Figure:
+def step_forces(passages: Passages, stiffness: int, whens: tuple[float, ...]) -> Figure:
     """Draw Fig. 18: the force with both steps, and enlarged around losses."""
     names = {"1 ms": irregular("1ms", stiffness), "0.2 ms": irregular("0.2ms", stiffness)}
     variable = irregular("variable", stiffness)

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 FILTERS: Mapping[str, Lowpass] = {"sharp": SharpLowpass(), "Butterworth": Butterworth()}
 
-WINDOWS = {"spans 4 to 13": None, "spans 5 to 14": (5, 14), "spans 3 to 12": (3, 12)}
-"""Ten central spans by three readings."""
+SHIFTS = (-1, 1)
+"""Other readings of the central spans: the section one span earlier or later."""
 
 
 @dataclass(eq=False)
@@ -87,6 +87,16 @@ class Passages:
         """Span length [m]."""
         first = next(iter(self.paths))
         return self.run(first).case.line.span_lengths()[0]
+
+    def windows(self, name: str) -> dict[str, tuple[int, int]]:
+        """Return other readings of the central spans of a passage by name."""
+        case = self.run(name).case
+        first, last = case.resolved_section()
+        return {
+            f"spans {first + shift} to {last + shift}": (first + shift, last + shift)
+            for shift in SHIFTS
+            if first + shift >= 1 and last + shift <= case.line.spans
+        }
 
     def statistics(
         self, name: str, kind: str = "sharp", window: tuple[int, int] | None = None

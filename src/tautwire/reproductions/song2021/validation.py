@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.claims import Claim, Evidence, near
-from tautwire.reproductions.song2021.forces import WINDOWS, Passages
+from tautwire.reproductions.song2021.forces import Passages
 from tautwire.reproductions.song2021.passages import (
     CONVENTIONS,
     FITTING,
@@ -67,8 +67,7 @@ def readings(passages: Passages) -> list[Reading]:
         found.append(Reading("Butterworth", "filter", passages.statistics(base, "Butterworth")))
         found += [
             Reading(name, "window", passages.statistics(base, window=window))
-            for name, window in WINDOWS.items()
-            if window is not None
+            for name, window in passages.windows(base).items()
         ]
     for name, (words, _) in CONVENTIONS.items():
         for k in (FITTING, 50):
