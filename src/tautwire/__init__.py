@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.contact_loss import contact_loss
     from tautwire.analyses.dynamics import ConstantStep, iterate, simulate
     from tautwire.analyses.elasticity import elasticity
+    from tautwire.analyses.modes import modes
     from tautwire.analyses.pipeline import run
     from tautwire.analyses.shape import find_shape
     from tautwire.analyses.statistics import contact_statistics
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from tautwire.results.storage import load_run
     from tautwire.signals.filters import Butterworth, SharpLowpass
     from tautwire.specs.case import Case
+    from tautwire.studies.run import run_study
+    from tautwire.studies.study_file import load_study
 
 __version__ = "0.1.0"
 
@@ -57,7 +60,10 @@ __all__ = [
     "iterate",
     "load_case",
     "load_run",
+    "load_study",
+    "modes",
     "run",
+    "run_study",
     "simulate",
     "write_report",
 ]
@@ -84,7 +90,10 @@ _HOMES = {
     "iterate": "tautwire.analyses.dynamics",
     "load_case": "tautwire.inputs.load",
     "load_run": "tautwire.results.storage",
+    "load_study": "tautwire.studies.study_file",
+    "modes": "tautwire.analyses.modes",
     "run": "tautwire.analyses.pipeline",
+    "run_study": "tautwire.studies.run",
     "simulate": "tautwire.analyses.dynamics",
     "write_report": "tautwire.report.page",
 }

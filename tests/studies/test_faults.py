@@ -60,9 +60,10 @@ def test_killed_worker_loses_one_attempt_only(place: Place) -> None:
     def kill_once(progress: StudyProgress) -> bool:
         messages.append(progress.message)
         if progress.computed >= 3 and not killed:
-            busy = place.log.read_text().splitlines()[-1].split()
-            os.kill(int(busy[2]), signal.SIGKILL)
-            killed.append(int(busy[2]))
+            lines = place.log.read_text().splitlines()
+            busy = int([line for line in lines if line.startswith("begin")][-1].split()[2])
+            os.kill(busy, signal.SIGKILL)
+            killed.append(busy)
         return False
 
     workers = LocalWorkers(2, place.folder)

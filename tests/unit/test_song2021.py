@@ -138,7 +138,7 @@ def test_agreement_of_equal_and_of_shifted_combs() -> None:
 
 def test_losses_of_two_readings_are_put_into_rows() -> None:
     """Overlapping losses share a row; the error is relative to the reference."""
-    exact = steps.Losses(np.array([1.0, 2.0]), np.array([1.004, 2.001]), np.array([4e-3, 1e-3]))
+    exact = steps.Losses(np.array([1.0, 2.0]), np.array([1.004, 2.002]), np.array([4e-3, 2e-3]))
     rough = steps.Losses(np.array([1.001]), np.array([1.004]), np.array([3e-3]))
     found = steps.tabulate({"exact": exact, "rough": rough})
     assert found.time.tolist() == [1.0, 2.0]

@@ -105,6 +105,8 @@ def test_wavenumber_spectrum_of_a_sine() -> None:
     at = int(np.argmax(spectrum.value))
     assert spectrum.wavelength[at] == pytest.approx(2.5)
     assert spectrum.value[at] == pytest.approx(3.0)
+    density = wavenumber_spectrum(3.0 * np.sin(2.0 * math.pi * x / 2.5), 0.05, density=True)
+    assert density.value.sum() * density.resolution == pytest.approx(4.5, rel=0.01)
 
 
 def test_presag_is_a_comb(shape: Equilibrium) -> None:

@@ -47,7 +47,7 @@ struct Factors {
     double mass, damping, stiffness;  // of M, C and K
 };
 
-enum class Droppers { none, taut, all };  // those that take part in a matrix
+enum class Droppers { none, taut };  // those that take part in a matrix
 
 class Assembly {
 public:
@@ -58,8 +58,8 @@ public:
         std::memset(static_cast<void*>(blocks_.data()), 0, blocks_.size() * sizeof(StationBlocks));
         for (int row = 0; row < line_.layout.rows; ++row) {
             for (int wire = 0; wire < 2; ++wire) add_elements(row, wire, factors, state);
-            if (line_.hanger_of[row] >= 0 && droppers != Droppers::none)
-                add_hangers(row, factors, state, droppers);
+            if (line_.hanger_of[row] >= 0 && droppers == Droppers::taut)
+                add_hangers(row, factors, state);
             if (line_.support_of[row] >= 0) add_supports(row, factors, state);
         }
         for (int row = 0; row < line_.layout.rows; ++row)
@@ -122,7 +122,7 @@ private:
                                (i == j ? geometric : 0.0);
     }
 
-    void add_hangers(int row, const Factors& factors, const Buffer<Row>& state, Droppers droppers) {
+    void add_hangers(int row, const Factors& factors, const Buffer<Row>& state) {
         const Hanger& hanger = line_.hangers[line_.hanger_of[row]];
         const double factor = factors.stiffness + factors.damping * line_.damping_stiffness;
         for (int lane = 0; lane < kLanes; ++lane) {
@@ -130,7 +130,7 @@ private:
             double w[3], block[3][3] = {};
             for (int i = 0; i < 3; ++i) w[i] = state[row][1][i][lane] - state[row][0][i][lane];
             const double length2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-            if (droppers == Droppers::taut && length2 <= hanger.length[lane] * hanger.length[lane]) continue;
+            if (length2 <= hanger.length[lane] * hanger.length[lane]) continue;
             add_bar(block, w, factor * hanger.stiffness[lane], hanger.length[lane]);
             StationBlocks& here = blocks_[station(row, lane)];
             for (int i = 0; i < 3; ++i)

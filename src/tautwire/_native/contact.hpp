@@ -12,7 +12,10 @@ inline constexpr int kMostPantographs = 16;
 // The touched point: `row` is the Hermite row of its element on (r1, r1', r2, r2').
 struct Touch {
     int pantograph, element;
-    double x, row[4], height, stiffness, force;
+    double x, rise;  // position, and height of the running surface above the wire
+    double row[4], height, stiffness, force;
+
+    double surface() const { return height + rise; }
 };
 
 // Hermite shape functions at xi in [0, 1] of an element, or their derivatives with respect to xi.
@@ -29,27 +32,28 @@ inline void slope_row(double s, double length, double (&row)[4]) {
     row[3] = length * (3.0 * s * s - 2.0 * s);
 }
 
-// Coordinates of the contact wire: q_p + of_velocity v_p + of_acceleration a.
+// Coordinates of single nodes: q_p + of_velocity v_p + of_acceleration a.
 class WireView {
 public:
-    WireView(const Sweeps& sweeps, double of_velocity, double of_acceleration)
-        : s_(sweeps), of_velocity_(of_velocity), of_acceleration_(of_acceleration) {}
+    WireView(const Line& line, const WireState& state, double of_velocity, double of_acceleration)
+        : line_(line), state_(state), of_velocity_(of_velocity), of_acceleration_(of_acceleration) {}
+    WireView(const Line& line, const WireState& state) : WireView(line, state, 0.0, state.to_position) {}
 
     double at(int station, int wire, int i) const {
-        const int row = s_.line.layout.row(station), lane = s_.line.layout.lane(station);
-        return s_.q_p[row][wire][i][lane] + of_velocity_ * s_.v_p[row][wire][i][lane] +
-               of_acceleration_ * s_.a[row][wire][i][lane];
+        const int row = line_.layout.row(station), lane = line_.layout.lane(station);
+        return state_.q_p[row][wire][i][lane] + of_velocity_ * state_.v_p[row][wire][i][lane] +
+               of_acceleration_ * state_.a[row][wire][i][lane];
     }
 
     // Find the point at longitudinal position touch.x; false when the wire does not reach there.
     bool locate(Touch& touch, int hint) const {
         const double x = touch.x;
-        const int stations = s_.line.layout.stations;
+        const int stations = line_.layout.stations;
         if (!(at(0, 0, 0) <= x && x <= at(stations - 1, 0, 0))) return false;
         int e = hint < 0 ? 0 : hint > stations - 2 ? stations - 2 : hint;
         while (e > 0 && x < at(e, 0, 0)) --e;
         while (e < stations - 2 && x >= at(e + 1, 0, 0)) ++e;
-        const double length = s_.line.element[2 * s_.line.layout.row(e)].length[s_.line.layout.lane(e)];
+        const double length = line_.element[2 * line_.layout.row(e)].length[line_.layout.lane(e)];
         const double q_x[4] = {at(e, 0, 0), at(e, 0, 3), at(e + 1, 0, 0), at(e + 1, 0, 3)};
         const double q_z[4] = {at(e, 0, 2), at(e, 0, 5), at(e + 1, 0, 2), at(e + 1, 0, 5)};
         position_row(invert(q_x, length, x), length, touch.row);
@@ -79,7 +83,8 @@ private:
         return xi;
     }
 
-    const Sweeps& s_;
+    const Line& line_;
+    const WireState& state_;
     double of_velocity_, of_acceleration_;
 };
 
@@ -90,9 +95,10 @@ public:
     Touch& operator[](int n) { return touches_[n]; }
     const Touch& operator[](int n) const { return touches_[n]; }
 
-    void add(int pantograph, double x) {
+    void add(int pantograph, double x, double rise) {
         touches_[count].pantograph = pantograph;
-        touches_[count++].x = x;
+        touches_[count].x = x;
+        touches_[count++].rise = rise;
     }
 
     // Add the contact forces to the known forces; release takes them away again, exactly.
@@ -145,7 +151,8 @@ public:
         }
     }
 
-    // Correct an eliminated right-hand side for the contacts that are closed.
+    // Correct an eliminated right-hand side for the contacts that are closed; kappa is `factor` times
+    // the contact's stiffness.
     template <class P>
     void correct(P& matrix, const TouchList& touches, double factor) const {
         int closed[kMostPantographs], count = 0;
@@ -154,9 +161,9 @@ public:
         double small[kMostPantographs][kMostPantographs + 1];
         for (int i = 0; i < count; ++i) {
             const auto& column = columns_[closed[i]];
-            for (int j = 0; j < count; ++j) small[i][j] = column.response_to(columns_[closed[j]]);
+            for (int j = 0; j < count; ++j) small[i][j] = matrix.scale * column.response_to(columns_[closed[j]]);
             small[i][i] += 1.0 / (factor * touches[closed[i]].stiffness);
-            small[i][count] = matrix.chain().respond(column);
+            small[i][count] = matrix.scale * matrix.chain().respond(column);
         }
         solve(small, count);
         for (int i = 0; i < count; ++i) matrix.chain().add(columns_[closed[i]], -small[i][count]);

@@ -1,6 +1,7 @@
 // What the native core is given and what it offers, the same for every instruction set.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tautwire {
@@ -10,7 +11,7 @@ namespace tautwire {
 struct LineData {
     int stations, droppers, arms, springs;
     const double *length, *axial_stiffness, *bending_stiffness, *mass;  // (2, stations - 1)
-    const double *node_mass;                                            // (stations, 2)
+    const double* node_mass;                                            // (stations, 2)
     const double *load, *position;                                      // (stations, 2, 6)
     const bool* fixed;                                                  // (stations, 2, 6)
     const std::int64_t* dropper_station;
@@ -24,25 +25,28 @@ struct LineData {
 
 // Time integration (theory: numerics/newmark.py) and when an iteration stops.
 struct Scheme {
-    double alpha, beta, gamma, time_step;
+    double alpha, beta, gamma;
+    double time_step;  // the step that others are compared with
     double contact_stiffness, tolerance;
     int iterations;
-    bool full_newton, coupled;  // coupled: both wires in one factor, for stiff droppers
+    bool full_newton;
 };
 
 // One pantograph as a chain of stages, head first (numerics/pantograph.py).
 struct PantographData {
     int stages;
+    const double* mass;                  // (stages,)
     const double *stiffness, *damping;  // (stages, stages)
-    const double* inverse;              // of the effective mass over a step, (stages, stages)
     double start_height;
 };
 
-// A number of steps: what is known in advance and where the histories go.
+// A number of equal steps: what is known in advance and where the histories go.
 struct Chunk {
     int steps;
-    const bool* on_line;        // (steps, pantographs)
-    const double* position;     // (steps, pantographs)
+    double time_step;
+    bool until_crossing;           // stop before a step in which a contact opens or closes
+    const bool* on_line;           // (steps, pantographs)
+    const double *position, *rise;  // (steps, pantographs)
     const double *before, *after;  // external forces at both ends of a step, (steps, all stages)
     int observed;
     const std::int64_t* observed_dofs;
@@ -50,9 +54,10 @@ struct Chunk {
     double* stages;                // (steps, all stages)
     double* dropper_force;         // (steps, droppers)
     double* coordinates;           // (steps, observed)
+    double* refused_gap;           // (pantographs,)
 };
 
-enum class Outcome { running, not_converged, singular, not_finite, off_the_line };
+enum class Outcome { running, not_converged, singular, not_finite, off_the_line, crossing };
 
 struct Counters {
     std::int64_t steps, iterations, refactorisations, full_newton_steps;
@@ -61,13 +66,18 @@ struct Counters {
 class Engine {
 public:
     virtual ~Engine();  // defined in module.cpp, so that no kernel carries the only copy
-    virtual int add_pantograph(const PantographData& pantograph) = 0;
-    // Take the steps of a chunk; `done` tells how many succeeded.
+    virtual bool add_pantograph(const PantographData& pantograph) = 0;
+    // Take the steps of a chunk; `done` tells how many succeeded. A step that fails or is refused
+    // leaves the state as it was.
     virtual Outcome advance(const Chunk& chunk, int& done) = 0;
     // Start from a state that need not be in balance; false when the mass matrix is singular.
     virtual bool start_from(const double* q, const double* v) = 0;
     virtual void coordinates(double* out) const = 0;  // (stations, 2, 6)
     virtual void velocities(double* out) const = 0;
+    // The complete state of wires and pantographs as numbers.
+    virtual std::size_t state_size() const = 0;
+    virtual void save(double* out) const = 0;
+    virtual void restore(const double* in) = 0;
     virtual Counters counters() const = 0;
 };
 
@@ -75,7 +85,7 @@ public:
 struct Backend {
     const char* name;
     int lanes;
-    Engine* (*make_engine)(const LineData& line, const Scheme& scheme);  // null: singular
+    Engine* (*make_engine)(const LineData& line, const Scheme& scheme);
     // Element arrays have the element last: e and out are (4, 3, n) and (4, 3, 4, 3, n).
     void (*cable_force)(int n, const double* e, const double* length, const double* axial,
                         const double* bending, double* out);

@@ -5,10 +5,7 @@ namespace tautwire::TAUTWIRE_ISA {
 namespace {
 
 Engine* make_engine(const LineData& line, const Scheme& scheme) {
-    auto* engine = new LineEngine(line, scheme);
-    if (engine->prepare()) return engine;
-    delete engine;
-    return nullptr;
+    return new LineEngine(line, scheme);
 }
 
 // Element arrays from Python: `e` is (4, 3, n), everything with the element last.

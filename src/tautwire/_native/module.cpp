@@ -43,13 +43,13 @@ class Stepper {
 public:
     Stepper(const nb::dict& line, const nb::dict& scheme);
 
-    void add_pantograph(const In<double>& stiffness, const In<double>& damping,
-                        const In<double>& inverse, double start_height) {
-        const std::size_t n = inverse.ndim() == 2 ? inverse.shape(0) : 0;
-        const PantographData data{static_cast<int>(n), checked(stiffness, n * n, "stiffness"),
-                                  checked(damping, n * n, "damping"),
-                                  checked(inverse, n * n, "inverse"), start_height};
-        if (n == 0 || engine_->add_pantograph(data) < 0)
+    void add_pantograph(const In<double>& mass, const In<double>& stiffness,
+                        const In<double>& damping, double start_height) {
+        const std::size_t n = mass.size();
+        const PantographData data{static_cast<int>(n), mass.data(),
+                                  checked(stiffness, n * n, "stiffness"),
+                                  checked(damping, n * n, "damping"), start_height};
+        if (n == 0 || !engine_->add_pantograph(data))
             throw std::invalid_argument("too many pantographs, or one without stages");
         ++pantographs_;
         stages_ += n;
@@ -67,6 +67,9 @@ public:
     void velocities(const Out<double>& out) const {
         engine_->velocities(checked(out, 12 * stations_, "out"));
     }
+    std::size_t state_size() const { return engine_->state_size(); }
+    void save(const Out<double>& out) const { engine_->save(checked(out, state_size(), "out")); }
+    void restore(const In<double>& in) { engine_->restore(checked(in, state_size(), "state")); }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters() const {
         const Counters c = engine_->counters();
         return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps};
@@ -128,9 +131,7 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"), number("time_step"),
                      number("contact_stiffness"), number("tolerance"),
-                     nb::cast<int>(scheme["iterations"]), nb::cast<bool>(scheme["full_newton"]),
-                     nb::cast<bool>(scheme["coupled"])}));
-    if (!engine_) throw std::domain_error("the matrix of the static state is not positive definite");
+                     nb::cast<int>(scheme["iterations"]), nb::cast<bool>(scheme["full_newton"])}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
@@ -144,8 +145,12 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
             throw std::invalid_argument("an observed degree of freedom is outside the line");
     Chunk chunk;
     chunk.steps = static_cast<int>(steps);
+    chunk.time_step = nb::cast<double>(known["time_step"]);
+    chunk.until_crossing = nb::cast<bool>(known["until_crossing"]);
+    if (!(chunk.time_step > 0.0)) throw std::invalid_argument("time_step must be positive");
     chunk.on_line = entry<bool>(known, "on_line", steps * pantographs_);
     chunk.position = entry<double>(known, "position", steps * pantographs_);
+    chunk.rise = entry<double>(known, "rise", steps * pantographs_);
     chunk.before = entry<double>(known, "before", steps * stages_);
     chunk.after = entry<double>(known, "after", steps * stages_);
     chunk.observed = static_cast<int>(observed.size());
@@ -156,6 +161,7 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
     chunk.stages = out("stages", steps * stages_);
     chunk.dropper_force = out("dropper_force", steps * droppers_);
     chunk.coordinates = out("observed", steps * observed.size());
+    chunk.refused_gap = out("refused_gap", pantographs_);
     int done = 0;
     Outcome outcome;
     {
@@ -192,12 +198,15 @@ NB_MODULE(_core, m) {
     });
     nb::class_<Stepper>(m, "Stepper")
         .def(nb::init<const nb::dict&, const nb::dict&>(), nb::arg("line"), nb::arg("scheme"))
-        .def("add_pantograph", &Stepper::add_pantograph, nb::arg("stiffness"), nb::arg("damping"),
-             nb::arg("inverse"), nb::arg("start_height"))
+        .def("add_pantograph", &Stepper::add_pantograph, nb::arg("mass"), nb::arg("stiffness"),
+             nb::arg("damping"), nb::arg("start_height"))
         .def("advance", &Stepper::advance, nb::arg("known"), nb::arg("histories"))
         .def("start_from", &Stepper::start_from, nb::arg("q"), nb::arg("v"))
         .def("coordinates", &Stepper::coordinates, nb::arg("out"))
         .def("velocities", &Stepper::velocities, nb::arg("out"))
+        .def("state_size", &Stepper::state_size)
+        .def("save", &Stepper::save, nb::arg("out"))
+        .def("restore", &Stepper::restore, nb::arg("state"))
         .def("counters", &Stepper::counters);
 }
 

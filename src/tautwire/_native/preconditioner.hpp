@@ -99,6 +99,8 @@ public:
         const auto& local = chain_.substitute(row);
         for (int i = 0; i < B; ++i) x[i] = local[i];
         const Rotation& turn = rotation_[row];
+        if (scale != 1.0)
+            for (V& component : x) component *= broadcast<V>(scale);
         for (int g = 0; g < kGroups; ++g) {
             rotate(turn.w[g], turn.scale[g], x + 6 * g);
             rotate(turn.w[g], turn.scale[g], x + 6 * g + 3);
@@ -125,6 +127,8 @@ public:
         const double back[3] = {-turn.w[g][0][lane], -turn.w[g][1][lane], -turn.w[g][2][lane]};
         rotate<double>(back, turn.scale[g][lane], x);
     }
+
+    double scale = 1.0;  // of the solution, to make up for the factor of a longer time step
 
 private:
     static constexpr int kGroups = B / 6;  // V holds both wires for B = 6

@@ -12,7 +12,10 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <new>
+#include <type_traits>
+#include <utility>
 
 #ifndef TAUTWIRE_LANES
 #error "define TAUTWIRE_LANES (doubles per register) and TAUTWIRE_ISA (name of the instruction set)"

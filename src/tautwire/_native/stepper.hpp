@@ -4,6 +4,7 @@
 #pragma once
 
 #include "contact.hpp"
+#include "factors.hpp"
 #include "pantograph.hpp"
 #include "sweeps.hpp"
 
@@ -34,135 +35,124 @@ private:
     int slow_ = 0;
 };
 
-// A preconditioner and what belongs to its present factor.
-template <class V, int B>
-struct Solver {
-    Solver(const Layout& layout, std::size_t hangers) : matrix(layout, hangers) {}
-    Preconditioner<V, B> matrix;
-    ContactColumns<B> contacts;
-};
-using Apart = Solver<Floats, 6>;      // wires apart, joined by the droppers' rank-one parts
-using Coupled = Solver<Doubles, 12>;  // wires in one factor, for full Newton
-
 class LineEngine final : public Engine {
 public:
     LineEngine(const LineData& data, const Scheme& scheme)
-        : scheme_(scheme), weight_(1.0 + scheme.alpha),
-          sweeps_(data, weight_, {scheme.time_step, scheme.gamma * scheme.time_step,
-                                  scheme.beta * scheme.time_step * scheme.time_step}) {}
+        : scheme_(scheme), weight_(1.0 + scheme.alpha), sweeps_(data, weight_),
+          factors_(sweeps_.line, scheme), hanger_force_(sweeps_.line.hangers.size()) {}
     ~LineEngine() override {
         for (int i = 0; i < count_; ++i) delete pantographs_[i];
-        delete apart_;
-        delete coupled_;
     }
 
-    // Factor the matrix of the static state.
-    bool prepare() {
-        return scheme_.full_newton || factor(dynamic_factors(), sweeps_.line.position, scheme_.coupled, Droppers::all);
-    }
-
-    int add_pantograph(const PantographData& data) override {
-        if (count_ == kMostPantographs) return -1;
-        pantographs_[count_] = new Pantograph(data, scheme_);
+    bool add_pantograph(const PantographData& data) override {
+        if (count_ == kMostPantographs) return false;
+        pantographs_[count_++] = new Pantograph(data, scheme_);
         stages_ += data.stages;
-        return count_++;
+        return true;
     }
     Outcome advance(const Chunk& chunk, int& done) override;
     bool start_from(const double* q, const double* v) override;
-    void coordinates(double* out) const override { gather(sweeps_.q_p, sweeps_.c.to_position, out); }
-    void velocities(double* out) const override { gather(sweeps_.v_p, sweeps_.c.to_velocity, out); }
+    void coordinates(double* out) const override {
+        gather(sweeps_.start().q_p, sweeps_.start().to_position, out);
+    }
+    void velocities(double* out) const override {
+        gather(sweeps_.start().v_p, sweeps_.start().to_velocity, out);
+    }
+    std::size_t state_size() const override;
+    void save(double* out) const override;
+    void restore(const double* in) override;
     Counters counters() const override { return counters_; }
 
 private:
     Outcome step(const Chunk& chunk, int index);
+    void enter(const Chunk& chunk, int index);
     bool touch_all();
+    Outcome finish(const Chunk& chunk);
     template <class S>
-    double iterate(S& solver, bool first);
-    bool factor(const Factors& factors, const Buffer<Row>& state, bool coupled, Droppers droppers);
-    bool factor_here(bool full_newton);
-    Factors dynamic_factors() const {
-        return {1.0, sweeps_.c.to_velocity, sweeps_.c.to_position};
-    }
-    bool accept();
+    double iterate(S& solver, bool fresh);
+    bool renew(bool full_newton);
     void carry_over();
-    void record(const Chunk& chunk, int index) const;
-    void record_droppers(double* out) const;
-    void save();
-    void restore();
+    void record(const Chunk& chunk, int index);
+    void record_droppers(double* out);
     void gather(const Buffer<Row>& base, double factor, double* out) const;
     void scatter(const double* in, Buffer<Row>& out) const;
 
-    WireView wire() const {
-        const Coefficients& c = sweeps_.c;
-        const double dt = c.time_step;
-        if (!pending_) return {sweeps_, 0.0, c.to_position};
-        return {sweeps_, dt, dt * c.to_velocity + 0.5 * dt * dt + c.to_position};
+    // The wires at the present iterate.
+    WireView wires() const {
+        const Prediction& p = sweeps_.prediction;
+        if (!first_) return {sweeps_.line, sweeps_.end()};
+        return {sweeps_.line, sweeps_.start(), p.time_step, p.a_to_q + sweeps_.end().to_position};
     }
 
     Scheme scheme_;
     double weight_;
     Sweeps sweeps_;
-    Apart* apart_ = nullptr;
-    Coupled* coupled_ = nullptr;
+    StepFactors factors_;
     Pantograph* pantographs_[kMostPantographs] = {};
     int count_ = 0, stages_ = 0;
     TouchList touches_;
-    bool pending_ = false;  // the next sweep moves the state on to the end of the step
+    bool first_ = false;  // the next sweeps are the first of their step
     Counters counters_ = {};
-    mutable Buffer<Doubles> dropper_rows_{static_cast<std::size_t>(sweeps_.line.layout.rows)};
-    Buffer<Row> saved_[4];  // q_p, v_p, a, known
+    Buffer<Doubles> hanger_force_;
 };
 
 inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
-    save();
+    for (int i = 0; i < count_; ++i) pantographs_[i]->set_time_step(chunk.time_step);
     for (done = 0; done < chunk.steps; ++done) {
         const Outcome outcome = step(chunk, done);
-        if (outcome != Outcome::running) {
-            // Go back to the last good state by repeating the chunk up to it.
-            restore();
-            for (int i = 0; i < done; ++i) step(chunk, i);
-            return outcome;
-        }
+        if (outcome != Outcome::running) return outcome;
         record(chunk, done);
     }
     return Outcome::running;
 }
 
 inline Outcome LineEngine::step(const Chunk& chunk, int index) {
-    touches_.count = 0;
-    std::ptrdiff_t stage = static_cast<std::ptrdiff_t>(index) * stages_;
-    for (int i = 0; i < count_; stage += pantographs_[i++]->stages()) {
-        if (!chunk.on_line[index * count_ + i]) continue;
-        pantographs_[i]->predict(chunk.before + stage, chunk.after + stage);
-        touches_.add(i, chunk.position[index * count_ + i]);
-    }
+    enter(chunk, index);
+    sweeps_.begin(scheme_, chunk.time_step);
     Watchdog watch(scheme_.full_newton);
-    pending_ = !watch.full_newton;
-    if (watch.full_newton) sweeps_.predict();
+    first_ = !watch.full_newton;
+    if (watch.full_newton) {
+        sweeps_.predict();
+    } else if (!factors_.select(chunk.time_step)) {
+        return Outcome::singular;
+    }
     for (int n = 0; n < scheme_.iterations; ++n) {
         if (!touch_all()) return Outcome::off_the_line;
         const bool fresh = n == 0 || watch.wants_factor;
-        if (watch.wants_factor && !factor_here(watch.full_newton)) return Outcome::singular;
-        const double increment = watch.full_newton || scheme_.coupled ? iterate(*coupled_, fresh)
-                                                                      : iterate(*apart_, fresh);
+        if (watch.wants_factor && !renew(watch.full_newton)) return Outcome::singular;
+        const double increment =
+            sweeps_.end().to_position *
+            (watch.full_newton ? iterate(factors_.coupled(), fresh) : iterate(factors_.apart(), fresh));
         ++counters_.iterations;
         if (std::isnan(increment)) return Outcome::not_finite;
         if (increment <= scheme_.tolerance && watch.count > 0) {
             counters_.full_newton_steps += watch.full_newton;
-            return accept() ? Outcome::running : Outcome::off_the_line;
+            return finish(chunk);
         }
         watch.observe(increment);
     }
     return Outcome::not_converged;
 }
 
+// Advance the pantographs that are on the line without contact force.
+inline void LineEngine::enter(const Chunk& chunk, int index) {
+    touches_.count = 0;
+    std::ptrdiff_t stage = static_cast<std::ptrdiff_t>(index) * stages_;
+    for (int i = 0; i < count_; stage += pantographs_[i++]->stages()) {
+        const int at = index * count_ + i;
+        if (!chunk.on_line[at]) continue;
+        pantographs_[i]->predict(chunk.before + stage, chunk.after + stage);
+        touches_.add(i, chunk.position[at], chunk.rise[at]);
+    }
+}
+
 inline bool LineEngine::touch_all() {
-    const WireView view = wire();
+    const WireView view = wires();
     for (int n = 0; n < touches_.count; ++n) {
         Touch& touch = touches_[n];
-        Pantograph& pantograph = *pantographs_[touch.pantograph];
+        const Pantograph& pantograph = *pantographs_[touch.pantograph];
         if (!view.locate(touch, pantograph.element)) return false;
-        const double approach = pantograph.head_free - touch.height;
+        const double approach = pantograph.head_free - touch.surface();
         touch.stiffness = pantograph.stiffness_in_series;
         // A height that is not a number must stay one, so no maximum here.
         touch.force = approach <= 0.0 ? 0.0 : touch.stiffness * approach;
@@ -173,50 +163,60 @@ inline bool LineEngine::touch_all() {
 template <class S>
 double LineEngine::iterate(S& solver, bool fresh) {
     touches_.push(sweeps_, weight_);
-    if (pending_) {
+    if (first_) {
         sweeps_.eliminate<true>(solver.matrix);
-        pending_ = false;
     } else {
         sweeps_.eliminate<false>(solver.matrix);
     }
     touches_.release(sweeps_);
     if (fresh) solver.contacts.set(solver.matrix, touches_);
-    solver.contacts.correct(solver.matrix, touches_, weight_ * sweeps_.c.to_position);
-    return sweeps_.substitute(solver.matrix);
+    solver.contacts.correct(solver.matrix, touches_, weight_ * sweeps_.end().to_position);
+    const bool first = first_;
+    first_ = false;
+    return first ? sweeps_.substitute<true>(solver.matrix) : sweeps_.substitute<false>(solver.matrix);
 }
 
-inline bool LineEngine::factor(
-    const Factors& factors, const Buffer<Row>& state, bool coupled, Droppers droppers) {
-    const Line& line = sweeps_.line;
-    Buffer<StationBlocks> blocks(line.layout.stations);
-    Assembly(line, blocks).sum(factors, state, coupled ? droppers : Droppers::none);
-    const double over_step = factors.stiffness + factors.damping * line.damping_stiffness;
-    if (coupled) {
-        if (!coupled_) coupled_ = new Coupled(line.layout, line.hangers.size());
-        return coupled_->matrix.factor(blocks, state, line, over_step);
-    }
-    if (!apart_) apart_ = new Apart(line.layout, line.hangers.size());
-    return apart_->matrix.factor(blocks, state, line, over_step);
-}
-
-inline bool LineEngine::factor_here(bool full_newton) {
+// Factor the matrix at the present iterate.
+inline bool LineEngine::renew(bool full_newton) {
+    const WireState& end = sweeps_.end();
     const int rows = sweeps_.line.layout.rows;
-    Buffer<Row> state(rows);
+    Buffer<Row> q(rows);
     for (int row = 0; row < rows; ++row)
         for (int wire = 0; wire < 2; ++wire)
             for (int i = 0; i < 6; ++i)
-                state[row][wire][i] = sweeps_.q_p[row][wire][i] + sweeps_.c.to_position * sweeps_.a[row][wire][i];
+                q[row][wire][i] = end.q_p[row][wire][i] + end.to_position * end.a[row][wire][i];
     ++counters_.refactorisations;
-    return factor(dynamic_factors(), state, full_newton || scheme_.coupled,
-                  full_newton ? Droppers::taut : Droppers::all);
+    return full_newton ? factors_.factor_coupled(q, sweeps_.prediction.time_step) : factors_.renew(q);
 }
 
-inline bool LineEngine::accept() {
-    ++counters_.steps;
-    if (!touch_all()) return false;
-    for (int n = 0; n < touches_.count; ++n) pantographs_[touches_[n].pantograph]->accept(touches_[n].force, touches_[n].element);
+// Complete a converged step, unless a contact opens or closes in it and that is not wanted.
+inline Outcome LineEngine::finish(const Chunk& chunk) {
+    if (!touch_all()) return Outcome::off_the_line;
+    double gap[kMostPantographs];
+    bool crosses = false;
+    for (int i = 0; i < count_; ++i) gap[i] = pantographs_[i]->gap;
+    for (int n = 0; n < touches_.count; ++n) {
+        const int i = touches_[n].pantograph;
+        gap[i] = touches_[n].surface() - pantographs_[i]->finish(touches_[n].force);
+        const double before = pantographs_[i]->gap;
+        crosses |= !std::isnan(before) && (before < 0.0) != (gap[i] < 0.0);
+    }
+    if (crosses && chunk.until_crossing) {
+        for (int i = 0; i < count_; ++i) chunk.refused_gap[i] = gap[i];
+        return Outcome::crossing;
+    }
+    for (int n = 0; n < touches_.count; ++n) {
+        Pantograph& pantograph = *pantographs_[touches_[n].pantograph];
+        pantograph.accept();
+        pantograph.force = touches_[n].force;
+        pantograph.gap = gap[touches_[n].pantograph];
+        pantograph.wire_height = touches_[n].height;
+        pantograph.element = touches_[n].element;
+    }
     if (scheme_.alpha != 0.0) carry_over();
-    return true;
+    sweeps_.accept();
+    ++counters_.steps;
+    return Outcome::running;
 }
 
 // HHT: known = (1 + alpha) load + alpha g with g = (alpha g_n - M a)/(1 + alpha).
@@ -235,94 +235,89 @@ inline void LineEngine::carry_over() {
 
 inline bool LineEngine::start_from(const double* q, const double* v) {
     constexpr int kRefinements = 3;
-    const Layout& layout = sweeps_.line.layout;
-    scatter(q, sweeps_.q_p);
-    scatter(v, sweeps_.v_p);
-    sweeps_.a = Buffer<Row>(layout.rows);
+    WireState &now = sweeps_.start(), &end = sweeps_.end();
+    scatter(q, end.q_p);
+    scatter(v, end.v_p);
+    end.a = Buffer<Row>(sweeps_.line.layout.rows);
+    end.to_velocity = end.to_position = 0.0;  // forces at q and v, whatever a is
     sweeps_.known.copy_from(sweeps_.line.load);
-    if (!factor({1.0, 0.0, 0.0}, sweeps_.q_p, true, Droppers::none)) return false;
-    const Coefficients c = sweeps_.c;
-    sweeps_.c.to_position = sweeps_.c.to_velocity = 0.0;  // forces at q and v, whatever a is
-    for (int n = 0; n < kRefinements; ++n) {
-        sweeps_.eliminate<false>(coupled_->matrix);
-        sweeps_.substitute(coupled_->matrix);
+    if (!factors_.factor_mass(end.q_p)) return false;
+    for (int n = 0; n < kRefinements; ++n) {  // find (1 + alpha) a from M a = -g
+        sweeps_.eliminate<false>(factors_.coupled().matrix);
+        sweeps_.substitute<false>(factors_.coupled().matrix);
     }
-    sweeps_.c = c;
-    for (int row = 0; row < layout.rows; ++row)
-        for (int wire = 0; wire < 2; ++wire)
-            for (int i = 0; i < 6; ++i) {
-                Doubles& a = sweeps_.a[row][wire][i];
-                a *= broadcast<Doubles>(1.0 / weight_);
-                sweeps_.q_p[row][wire][i] -= c.to_position * a;
-                sweeps_.v_p[row][wire][i] -= c.to_velocity * a;
-            }
-    if (scheme_.alpha != 0.0) {
-        Buffer<Row> inertia(layout.rows);
-        sweeps_.inertia(inertia);
-        for (int row = 0; row < layout.rows; ++row)
-            for (int wire = 0; wire < 2; ++wire)
-                for (int i = 0; i < 6; ++i)
-                    sweeps_.known[row][wire][i] -= scheme_.alpha * inertia[row][wire][i];
-    }
-    return !scheme_.coupled || prepare();
+    if (scheme_.alpha != 0.0) carry_over();
+    for (std::size_t row = 0; row < end.a.size(); ++row)
+        for (int i = 0; i < 12; ++i) end.a[row][i / 6][i % 6] *= broadcast<Doubles>(1.0 / weight_);
+    now.to_velocity = now.to_position = 0.0;
+    sweeps_.accept();
+    return true;
 }
 
-inline void LineEngine::record(const Chunk& chunk, int index) const {
-    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(index) * count_;
+inline void LineEngine::record(const Chunk& chunk, int index) {
+    const std::ptrdiff_t row = index;
+    double* stage = chunk.stages + row * stages_;
     for (int i = 0; i < count_; ++i) {
-        chunk.force[first + i] = pantographs_[i]->force;
-        chunk.gap[first + i] = chunk.height[first + i] = std::nan("");
+        const Pantograph& pantograph = *pantographs_[i];
+        chunk.force[row * count_ + i] = pantograph.force;
+        chunk.gap[row * count_ + i] = pantograph.gap;
+        chunk.height[row * count_ + i] = pantograph.wire_height;
+        for (int j = 0; j < pantograph.stages(); ++j) *stage++ = pantograph.displacement()[j];
     }
-    for (int n = 0; n < touches_.count; ++n) {
-        const Touch& touch = touches_[n];
-        chunk.height[first + touch.pantograph] = touch.height;
-        chunk.gap[first + touch.pantograph] = touch.height - pantographs_[touch.pantograph]->head();
-    }
-    double* stage = chunk.stages + static_cast<std::ptrdiff_t>(index) * stages_;
-    for (int i = 0; i < count_; ++i)
-        for (int j = 0; j < pantographs_[i]->stages(); ++j) *stage++ = pantographs_[i]->displacement()[j];
-    record_droppers(chunk.dropper_force + static_cast<std::ptrdiff_t>(index) * sweeps_.line.dropper_count);
-    const WireView view = wire();
-    double* out = chunk.coordinates + static_cast<std::ptrdiff_t>(index) * chunk.observed;
+    record_droppers(chunk.dropper_force + row * sweeps_.line.dropper_count);
+    const WireView view(sweeps_.line, sweeps_.start());
+    double* out = chunk.coordinates + row * chunk.observed;
     for (int i = 0; i < chunk.observed; ++i) {
         const int dof = static_cast<int>(chunk.observed_dofs[i]);
         *out++ = view.at(dof / 12, dof % 12 / 6, dof % 6);
     }
 }
 
-inline void LineEngine::record_droppers(double* out) const {
+inline void LineEngine::record_droppers(double* out) {
     const Line& line = sweeps_.line;
-    const Coefficients& c = sweeps_.c;
-    Buffer<Doubles>& force = dropper_rows_;
+    const WireState& s = sweeps_.start();
     for (int row = 0; row < line.layout.rows; ++row) {
         if (line.hanger_of[row] < 0) continue;
         Doubles t[3], rate[3];
         for (int i = 0; i < 3; ++i) {
-            const Doubles a = sweeps_.a[row][1][i] - sweeps_.a[row][0][i];
-            t[i] = sweeps_.q_p[row][1][i] - sweeps_.q_p[row][0][i] + c.to_position * a;
-            rate[i] = sweeps_.v_p[row][1][i] - sweeps_.v_p[row][0][i] + c.to_velocity * a;
+            const Doubles a = s.a[row][1][i] - s.a[row][0][i];
+            t[i] = s.q_p[row][1][i] - s.q_p[row][0][i] + s.to_position * a;
+            rate[i] = s.v_p[row][1][i] - s.v_p[row][0][i] + s.to_velocity * a;
         }
         const Doubles length = square_root(dot(t, t));
-        force[line.hanger_of[row]] =
+        hanger_force_[line.hanger_of[row]] =
             dropper_force(line.hangers[line.hanger_of[row]], length, dot(t, rate) / length);
     }
     for (int i = 0; i < line.dropper_count; ++i)
-        out[i] = force[line.hanger_of[line.dropper_row[i]]][line.dropper_lane[i]] / weight_;
+        out[i] = hanger_force_[line.hanger_of[line.dropper_row[i]]][line.dropper_lane[i]] / weight_;
 }
 
-inline void LineEngine::save() {
-    const Buffer<Row>* state[4] = {&sweeps_.q_p, &sweeps_.v_p, &sweeps_.a, &sweeps_.known};
-    for (int n = 0; n < 4; ++n) {
-        if (saved_[n].size() == 0) saved_[n] = Buffer<Row>(state[n]->size());
-        saved_[n].copy_from(*state[n]);
+inline std::size_t LineEngine::state_size() const {
+    std::size_t size = 2 + 4 * sizeof(Row) / sizeof(double) * sweeps_.line.layout.rows;
+    for (int i = 0; i < count_; ++i) size += pantographs_[i]->state_size();
+    return size;
+}
+
+inline void LineEngine::save(double* out) const {
+    const WireState& s = sweeps_.start();
+    for (const Buffer<Row>* part : {&s.q_p, &s.v_p, &s.a, &sweeps_.known}) {
+        std::memcpy(out, part->data(), part->size() * sizeof(Row));
+        out += part->size() * sizeof(Row) / sizeof(double);
     }
-    for (int i = 0; i < count_; ++i) pantographs_[i]->save();
+    *out++ = s.to_velocity;
+    *out++ = s.to_position;
+    for (int i = 0; i < count_; ++i) out = pantographs_[i]->save(out);
 }
 
-inline void LineEngine::restore() {
-    Buffer<Row>* state[4] = {&sweeps_.q_p, &sweeps_.v_p, &sweeps_.a, &sweeps_.known};
-    for (int n = 0; n < 4; ++n) state[n]->copy_from(saved_[n]);
-    for (int i = 0; i < count_; ++i) pantographs_[i]->restore();
+inline void LineEngine::restore(const double* in) {
+    WireState& s = sweeps_.start();
+    for (Buffer<Row>* part : {&s.q_p, &s.v_p, &s.a, &sweeps_.known}) {
+        std::memcpy(part->data(), in, part->size() * sizeof(Row));
+        in += part->size() * sizeof(Row) / sizeof(double);
+    }
+    s.to_velocity = *in++;
+    s.to_position = *in++;
+    for (int i = 0; i < count_; ++i) in = pantographs_[i]->restore(in);
 }
 
 inline void LineEngine::gather(const Buffer<Row>& base, double factor, double* out) const {
@@ -330,12 +325,14 @@ inline void LineEngine::gather(const Buffer<Row>& base, double factor, double* o
     for (int dof = 0; dof < 12 * layout.stations; ++dof) {
         const int row = layout.row(dof / 12), lane = layout.lane(dof / 12);
         const int wire = dof % 12 / 6, i = dof % 6;
-        out[dof] = base[row][wire][i][lane] + factor * sweeps_.a[row][wire][i][lane];
+        out[dof] = base[row][wire][i][lane] + factor * sweeps_.start().a[row][wire][i][lane];
     }
 }
 
+// Padding behind the line keeps its static coordinates.
 inline void LineEngine::scatter(const double* in, Buffer<Row>& out) const {
     const Layout& layout = sweeps_.line.layout;
+    out.copy_from(sweeps_.line.position);
     for (int dof = 0; dof < 12 * layout.stations; ++dof)
         out[layout.row(dof / 12)][dof % 12 / 6][dof % 6][layout.lane(dof / 12)] = in[dof];
 }

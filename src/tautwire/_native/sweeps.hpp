@@ -1,8 +1,9 @@
 // One iteration of a time step: residual and forward elimination in one sweep along the line,
 // backward substitution and update of the accelerations in a second one.
 //
-// The state is kept as q_p, v_p and a with q = q_p + to_position a, v = v_p + to_velocity a. After
-// an accepted step q_p and v_p still belong to it; the first sweep of the next step moves them on.
+// A state is kept as q_p, v_p and a with q = q_p + to_position a and v = v_p + to_velocity a. The
+// first sweeps of a step read the state at its start and write the one at its end, so that a step
+// can be dropped.
 #pragma once
 
 #include "assembly.hpp"
@@ -11,53 +12,81 @@
 
 namespace tautwire::TAUTWIRE_ISA {
 
-struct Coefficients {
-    double time_step, to_velocity, to_position;  // dt, gamma dt, beta dt^2
+// The wires at one instant; to_velocity and to_position belong to the step that led there.
+struct WireState {
+    explicit WireState(int rows) : q_p(rows), v_p(rows), a(rows) {}
+
+    Buffer<Row> q_p, v_p, a;
+    double to_velocity = 0.0, to_position = 0.0;
+};
+
+// Prediction with unchanged acceleration: q_p = q_p + dt v_p + a_to_q a, v_p = v_p + a_to_v a.
+struct Prediction {
+    double time_step = 0.0, a_to_q = 0.0, a_to_v = 0.0;
 };
 
 class Sweeps {
 public:
-    Sweeps(const LineData& data, double weight, const Coefficients& coefficients)
-        : line(data, weight), c(coefficients), q_p(line.layout.rows), v_p(line.layout.rows),
-          a(line.layout.rows), known(line.layout.rows), taut(line.hangers.size()),
+    Sweeps(const LineData& data, double weight)
+        : line(data, weight), known(line.layout.rows), taut(line.hangers.size()),
+          states_{WireState(line.layout.rows), WireState(line.layout.rows)},
           damping_(line.layout.rows) {
-        q_p.copy_from(line.position);
+        start().q_p.copy_from(line.position);
         known.copy_from(line.load);
         for (int row = 0; row < line.layout.rows; ++row) set_damping(row);
     }
 
     Line line;
-    Coefficients c;
-    Buffer<Row> q_p, v_p, a;
-    Buffer<Row> known;     // forces known at the start of a step
-    Buffer<Doubles> taut;  // which droppers carried force at the last residual: 1 or 0
+    Buffer<Row> known;      // forces known at the start of a step
+    Buffer<Doubles> taut;   // which droppers carried force at the last residual: 1 or 0
+    Prediction prediction;  // of the step in progress
 
-    // Eliminate the residual of the present iterate. With kPredict the state is first moved on to
-    // the next step with unchanged acceleration, and the preconditioner turned to it.
-    template <bool kPredict, class P>
-    void eliminate(P& preconditioner);
+    WireState& start() { return states_[now_]; }
+    const WireState& start() const { return states_[now_]; }
+    WireState& end() { return states_[1 - now_]; }
+    const WireState& end() const { return states_[1 - now_]; }
 
-    // Substitute back and update the accelerations; return the largest increment of a coordinate,
-    // NaN when the state is not finite.
-    template <class P>
-    double substitute(P& preconditioner);
+    // Begin a step of a size; end() is the state at its end from here on.
+    void begin(const Scheme& scheme, double time_step) {
+        const double dt = time_step;
+        prediction = {dt, start().to_position + dt * start().to_velocity + dt * dt * (0.5 - scheme.beta),
+                      start().to_velocity + dt * (1.0 - scheme.gamma)};
+        end().to_velocity = scheme.gamma * dt;
+        end().to_position = scheme.beta * dt * dt;
+    }
 
-    // Move on to the next step with unchanged acceleration.
+    // Make the end of the step the start of the next.
+    void accept() { now_ = 1 - now_; }
+
+    // Predict the end of the step.
     void predict() {
         Motion unused;
         for (int row = 0; row < line.layout.rows; ++row) move<true, true>(row, unused);
+        end().a.copy_from(start().a);
     }
 
-    // Nodal inertia forces M a.
+    // Eliminate the residual of the present iterate. With kFirst that is the prediction, which is
+    // made on the way, and the preconditioner is turned to it.
+    template <bool kFirst, class P>
+    void eliminate(P& preconditioner);
+
+    // Substitute back and update the accelerations; return the largest acceleration increment of a
+    // coordinate, NaN when the state is not finite. With kFirst, as above.
+    template <bool kFirst, class P>
+    double substitute(P& preconditioner);
+
+    // Nodal inertia forces M a at the end of the step.
     void inertia(Buffer<Row>& out) const;
 
 private:
     void set_damping(int row);
-    template <bool kPredict, bool kStore>
+    template <bool kFirst, bool kStore>
     TAUTWIRE_INLINE void move(int row, Motion& out);
     TAUTWIRE_INLINE void wires(int row, const Motion& left, const Motion& right, Ends (&out)[2]) const;
     static void wrap(const Motion& first, const Motion& last, Motion& out);
 
+    WireState states_[2];
+    int now_ = 0;
     Buffer<Damping> damping_;
 };
 
@@ -75,28 +104,27 @@ inline void Sweeps::set_damping(int row) {
                                   line.damping_stiffness * tangent[1][i]);
 }
 
-// Form the motion of a row's nodes. With kPredict the state is moved on to the next step, in place
-// when kStore is set.
-template <bool kPredict, bool kStore>
+// Form the motion of a row's nodes. With kFirst it is predicted; kStore keeps the prediction.
+template <bool kFirst, bool kStore>
 TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
-    const double dt = c.time_step, full = dt * c.to_velocity + 0.5 * dt * dt;
+    const WireState& from = kFirst ? start() : end();
+    WireState& to = end();
     TAUTWIRE_UNROLL
     for (int wire = 0; wire < 2; ++wire)
         TAUTWIRE_UNROLL
         for (int i = 0; i < 6; ++i) {
-            const Doubles acceleration = a[row][wire][i];
-            Doubles q = q_p[row][wire][i], v = v_p[row][wire][i];
-            if constexpr (kPredict) {
-                // q_n + dt v_n + dt^2 (1/2 - beta) a_n and v_n + dt (1 - gamma) a_n
-                q += dt * v + full * acceleration;
-                v += dt * acceleration;
+            const Doubles acceleration = from.a[row][wire][i];
+            Doubles q = from.q_p[row][wire][i], v = from.v_p[row][wire][i];
+            if constexpr (kFirst) {
+                q += prediction.time_step * v + prediction.a_to_q * acceleration;
+                v += prediction.a_to_v * acceleration;
                 if constexpr (kStore) {
-                    q_p[row][wire][i] = q;
-                    v_p[row][wire][i] = v;
+                    to.q_p[row][wire][i] = q;
+                    to.v_p[row][wire][i] = v;
                 }
             }
-            v += c.to_velocity * acceleration;
-            out.q[wire][i] = q + c.to_position * acceleration;
+            v += to.to_velocity * acceleration;
+            out.q[wire][i] = q + to.to_position * acceleration;
             out.v[wire][i] = v;
             out.s[wire][i] = acceleration + line.damping_mass * v;
         }
@@ -130,24 +158,24 @@ inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
         }
 }
 
-template <bool kPredict, class P>
+template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner) {
     const int rows = line.layout.rows;
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
-    move<kPredict, false>(0, nodes[0]);
-    move<kPredict, false>(rows - 1, nodes[1]);
+    move<kFirst, false>(0, nodes[0]);
+    move<kFirst, false>(rows - 1, nodes[1]);
     wrap(nodes[0], nodes[1], behind);
     wires(rows - 1, nodes[1], behind, ends);  // the last elements act on the next segments
     for (int wire = 0; wire < 2; ++wire)
         for (int i = 0; i < 6; ++i) carry[wire][i] = to_next_segment(ends[wire].right[i]);
 
-    move<kPredict, true>(0, nodes[0]);
+    move<kFirst, true>(0, nodes[0]);
     for (int row = 0; row < rows; ++row) {
         const Motion& here = nodes[row & 1];
         Motion& next = nodes[~row & 1];
-        if (row + 1 < rows) move<kPredict, true>(row + 1, next);
+        if (row + 1 < rows) move<kFirst, true>(row + 1, next);
         wires(row, here, row + 1 < rows ? next : behind, ends);
         Row r;
         TAUTWIRE_UNROLL
@@ -161,7 +189,7 @@ void Sweeps::eliminate(P& preconditioner) {
         const int hanger = line.hanger_of[row], support = line.support_of[row];
         if (hanger >= 0) taut[hanger] = add_hangers(line.hangers[hanger], here, r);
         if (support >= 0) add_supports(line.supports[support], here, r);
-        if constexpr (kPredict) preconditioner.set_rotation(row, here.q[0] + 3, here.q[1] + 3);
+        if constexpr (kFirst) preconditioner.set_rotation(row, here.q[0] + 3, here.q[1] + 3);
         preconditioner.eliminate(row, r);
     }
     preconditioner.finish_elimination(taut);
@@ -173,12 +201,12 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
     for (int row = 0; row < rows; ++row)
         for (int wire = 0; wire < 2; ++wire)
             for (int i = 0; i < 6; ++i)
-                out[row][wire][i] = i < 3 ? line.node_mass[2 * row + wire] * a[row][wire][i]
+                out[row][wire][i] = i < 3 ? line.node_mass[2 * row + wire] * end().a[row][wire][i]
                                           : broadcast<Doubles>(0.0);
     for (int row = 0; row < rows; ++row)
         for (int wire = 0; wire < 2; ++wire) {
             Doubles left[6], right[6];
-            element_nodes(line, a, row, wire, left, right);
+            element_nodes(line, end().a, row, wire, left, right);
             const Ends ends = wire_forces(line.element[2 * row + wire], none, left, right);
             const int behind = row + 1 < rows ? row + 1 : 0;
             for (int i = 0; i < 6; ++i) {
@@ -188,7 +216,7 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
         }
 }
 
-template <class P>
+template <bool kFirst, class P>
 double Sweeps::substitute(P& preconditioner) {
     using V = typename P::Vector;
     V largest = broadcast<V>(0.0), total = largest;
@@ -200,12 +228,13 @@ double Sweeps::substitute(P& preconditioner) {
         for (int wire = 0; wire < 2; ++wire)
             for (int i = 0; i < 6; ++i) {
                 if (support >= 0) x[wire][i] *= line.supports[support].free[wire][i];
-                a[row][wire][i] += x[wire][i];
+                const Doubles before = (kFirst ? start() : end()).a[row][wire][i];
+                end().a[row][wire][i] = before + x[wire][i];
             }
     }
     double sum = 0.0;
     for (int lane = 0; lane < kLanesOf<V>; ++lane) sum += total[lane];
-    return std::isfinite(sum) ? c.to_position * largest_lane(largest) : sum - sum;
+    return std::isfinite(sum) ? largest_lane(largest) : sum - sum;
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -9,7 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from tautwire.numerics.hermite import position_row, slope_row
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.signals.spectra import Spectrum, Window, amplitude_spectrum
+from tautwire.signals.spectra import (
+    Spectrum,
+    Window,
+    amplitude_spectrum,
+    power_spectral_density,
+)
 
 Array = NDArray[np.float64]
 
@@ -97,18 +102,26 @@ def even_points(
     return EvenPoints(x, element, position_row(xi, lengths))
 
 
-def wavenumber_spectrum(values: ArrayLike, spacing: float, window: Window = "hann") -> Spectrum:
-    """Compute the amplitude spectrum of something along the track over wave number.
+def wavenumber_spectrum(
+    values: ArrayLike, spacing: float, window: Window = "hann", *, density: bool = False
+) -> Spectrum:
+    """Compute the spectrum of something along the track over wave number.
 
     Parameters
     ----------
     values : (n_point,)
     spacing : float m
     window : {"hann", "none"}
+    density : bool
+        False: amplitudes; True: power density, in the squared unit of the values times metre.
 
     Returns
     -------
     Spectrum
         Over wave number [1/m]; ``spectrum.wavelength`` is its reciprocal.
     """
-    return replace(amplitude_spectrum(values, spacing, window), abscissa_unit="1/m")
+    if density:
+        found = power_spectral_density(values, spacing, window=window)
+    else:
+        found = amplitude_spectrum(values, spacing, window)
+    return replace(found, abscissa_unit="1/m")

@@ -119,9 +119,13 @@ def _commonest(values: list[float]) -> float:
 
 
 def presag_spectrum(
-    shape: Equilibrium, section: tuple[int, int], window: Window = "hann"
+    shape: Equilibrium,
+    section: tuple[int, int],
+    window: Window = "hann",
+    *,
+    density: bool = False,
 ) -> Spectrum:
-    """Compute the amplitude spectrum of the static height of the contact wire.
+    """Compute the spectrum of the static height of the contact wire.
 
     Parameters
     ----------
@@ -130,11 +134,13 @@ def presag_spectrum(
     section : (first, last) span
         1-based, both included.
     window : {"hann", "none"}
+    density : bool
+        False: amplitudes [m]; True: power spectral density [m^3].
 
     Returns
     -------
     Spectrum
-        Over wave number [1/m]; amplitudes in m.
+        Over wave number [1/m].
 
     Raises
     ------
@@ -149,7 +155,8 @@ def presag_spectrum(
     points = even_points(
         shape, start=float(shape.support_x[first - 1]), end=float(shape.support_x[last])
     )
-    return wavenumber_spectrum(points.values(shape.position), points.spacing, window)
+    heights = points.values(shape.position)
+    return wavenumber_spectrum(heights, points.spacing, window, density=density)
 
 
 @dataclass(frozen=True)

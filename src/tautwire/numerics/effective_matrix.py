@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from tautwire.numerics.banded import BandedCholesky, Pattern
 from tautwire.numerics.corotation import NodeRotation, unit_tangents
 from tautwire.numerics.newmark import Integrator
+from tautwire.numerics.stepper import StepOptions
 from tautwire.numerics.system import System, TangentParts, lumped_mass, mass_parts, tangent_parts
 
 Array = NDArray[Any]
@@ -155,17 +156,13 @@ class StepFactors:
         The line.
     matrices
         Its mass, damping and stiffness.
-    integrator
-        Newmark or HHT.
-    base_step
-        The step ``dt_0`` [s].
+    options
+        Integrator, the step ``dt_0``, stiffening.
     """
 
-    def __init__(
-        self, system: System, matrices: LineMatrices, integrator: Integrator, base_step: float
-    ) -> None:
+    def __init__(self, system: System, matrices: LineMatrices, options: StepOptions) -> None:
         self._system, self._matrices = system, matrices
-        self._integrator, self._base = integrator, base_step
+        self._options, self._base = options, options.time_step
         self._kept: OrderedDict[int, StepFactor] = OrderedDict()
 
     def get(self, time_step: float) -> StepFactor | None:
@@ -195,8 +192,11 @@ class StepFactors:
         self, q: Array, time_step: float, taut: NDArray[np.bool_] | None = None
     ) -> StepFactor | None:
         """Factor the matrix of a step at state ``q``, with all droppers or the taut ones only."""
-        c = StepCoefficients.of(self._integrator, time_step)
-        parts = tangent_parts(self._system, q, taut=taut)
+        c = StepCoefficients.of(self._options.integrator, time_step)
+        system, stiffening = self._system, self._options.stiffening
+        if stiffening is not None:
+            system = stiffening.applied_to(system, time_step)
+        parts = tangent_parts(system, q, taut=taut)
         band = self._matrices.effective_band(
             parts, c.weight * c.to_velocity, c.weight * c.to_position
         )

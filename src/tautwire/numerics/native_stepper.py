@@ -7,13 +7,14 @@ the arrays of a line and those of the core, station by station.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.pantograph import PantographStep
+from tautwire.numerics.step_solver import Clock
 from tautwire.numerics.stepper import (
     PantographInput,
     StepBlock,
@@ -27,16 +28,14 @@ Array = NDArray[Any]
 Index = NDArray[np.int64]
 
 _CHUNK = 100
-_ENTRY_TOLERANCE = 1e-12
-_OUTCOMES = (
-    Status.RUNNING,
-    Status.NOT_CONVERGED,
-    Status.SINGULAR,
-    Status.NOT_FINITE,
-    Status.OFF_THE_LINE,
-)
-# Two wires are factored together when a lagging dropper coupling would converge slower than this.
-_SLOW_COUPLING = 0.25
+_SAME_TIME = 1e-12
+_RUNNING, _CROSSING = 0, 5
+_OUTCOMES = {
+    1: Status.NOT_CONVERGED,
+    2: Status.SINGULAR,
+    3: Status.NOT_FINITE,
+    4: Status.OFF_THE_LINE,
+}
 
 
 def cable_order(system: System) -> Index | None:
@@ -69,6 +68,14 @@ def cable_order(system: System) -> Index | None:
     return order if is_two_wires else None
 
 
+@dataclass(frozen=True, eq=False)
+class _Mark:
+    """A state of the core and the time it belongs to."""
+
+    clock: Clock
+    state: Array
+
+
 class NativeStepper:
     """Time integration of one line and its pantographs by the compiled core.
 
@@ -98,23 +105,21 @@ class NativeStepper:
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
         self._observed = np.ascontiguousarray(observed, dtype=np.int64)
-        coupled = _coupling(system, options) > _SLOW_COUPLING
-        self._core = core.Stepper(_line_arrays(system), _scheme(options, coupled=coupled))
+        self._clock = Clock()
+        self._core = core.Stepper(_line_arrays(system), _scheme(options))
         for given in self._inputs:
+            chain = given.chain
             self._core.add_pantograph(
-                given.chain.chain_matrix(given.chain.stiffness),
-                given.chain.chain_matrix(given.chain.damping),
-                _inverse_mass(PantographStep(given.chain, options.integrator, options.time_step)),
+                np.ascontiguousarray(chain.mass, dtype=float),
+                chain.chain_matrix(chain.stiffness),
+                chain.chain_matrix(chain.damping),
                 given.start_height,
             )
-        self.counters.notes["kernels"] = f"native ({core.instruction_set})"
-        if coupled:
-            self.counters.notes["droppers"] = "stiff: both wires are factored together"
 
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return self.counters.steps * self._options.time_step
+        return self._clock.time
 
     @property
     def coordinates(self) -> Array:
@@ -138,25 +143,61 @@ class NativeStepper:
         q, v : (n_dof,)
             Coordinates and velocities.
         """
-        self._core.start_from(np.ascontiguousarray(q), np.ascontiguousarray(v))
+        if not self._core.start_from(np.ascontiguousarray(q), np.ascontiguousarray(v)):
+            raise ValueError("the mass matrix is not positive definite")
 
-    def advance(self, steps: int) -> StepBlock:
-        """Take up to ``steps`` steps; fewer when one fails (see the block's status)."""
+    def mark(self) -> _Mark:
+        """Return the present state, to come back to."""
+        state = np.empty(self._core.state_size())
+        self._core.save(state)
+        return _Mark(self._clock, state)
+
+    def rewind(self, mark: object) -> None:
+        """Go back to a state returned by ``mark``; counters keep counting."""
+        if not isinstance(mark, _Mark):
+            raise TypeError("rewind takes what mark returned")
+        self._core.restore(mark.state)
+        self._clock = mark.clock
+
+    def advance(
+        self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
+    ) -> StepBlock:
+        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
+
+        Parameters
+        ----------
+        steps
+            Number of steps.
+        time_step
+            Step [s]; that of the options by default.
+        until_crossing
+            Stop before a step in which the gap of a pantograph changes between negative and
+            not negative; that step is not kept.
+        """
         histories = self._empty_histories(steps)
-        first, taken, status = self.counters.steps, 0, Status.RUNNING
-        while taken < steps and status is Status.RUNNING:
+        refused = np.empty(len(self._inputs))
+        time = np.empty(steps)
+        taken, outcome = 0, _RUNNING
+        while taken < steps and outcome == _RUNNING:
             stop = min(taken + _CHUNK, steps)
+            known = self._known(stop - taken, time_step or self._options.time_step)
             rows = {name: array[taken:stop] for name, array in histories.items()}
-            done, outcome = self._core.advance(self._known(first + taken, stop - taken), rows)
-            status = _OUTCOMES[outcome]
+            done, outcome = self._core.advance(
+                known.arrays | {"until_crossing": until_crossing}, rows | {"refused_gap": refused}
+            )
+            time[taken : taken + done] = known.time[1 : done + 1]
+            self._clock = known.clocks[done]
             taken += done
-            self._count(first + taken)
-        time = (first + 1 + np.arange(taken)) * self._options.time_step
-        kept = {name: array[:taken] for name, array in histories.items()}
-        return StepBlock(time=time, status=status, **kept)
+        self._count()
+        return StepBlock(
+            time=time[:taken],
+            status=_OUTCOMES.get(outcome, Status.RUNNING),
+            refused_gap=refused if outcome == _CROSSING else None,
+            **{name: array[:taken] for name, array in histories.items()},
+        )
 
-    def _count(self, steps: int) -> None:
-        _, iterations, refactorisations, full = self._core.counters()
+    def _count(self) -> None:
+        steps, iterations, refactorisations, full = self._core.counters()
         self.counters.steps = steps
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
@@ -174,49 +215,47 @@ class NativeStepper:
         }
         return {name: np.empty((steps, width)) for name, width in widths.items()}
 
-    def _known(self, first: int, steps: int) -> dict[str, Array]:
-        """Return what is known in advance of ``steps`` steps after step ``first``."""
-        time = (first + np.arange(steps + 1)) * self._options.time_step
+    def _known(self, steps: int, time_step: float) -> _Known:
+        """Return what is known in advance of the next steps."""
+        clocks = [self._clock]
+        for _ in range(steps):
+            clocks.append(clocks[-1].after(time_step))
+        time = np.array([c.time for c in clocks])
         end = time[1:]
         loads = [np.empty((steps + 1, 0))]
         loads += [np.array([given.external(t) for t in time]) for given in self._inputs]
         external = np.concatenate(loads, axis=1)
-        columns = [given.position(end) for given in self._inputs]
-        on_line = [end >= given.start_time - _ENTRY_TOLERANCE for given in self._inputs]
-        return {
-            "position": np.array(columns).reshape(len(columns), steps).T.copy(),
-            "on_line": np.array(on_line, dtype=bool).reshape(len(columns), steps).T.copy(),
+        arrays = {
+            "time_step": time_step,
+            "position": _columns([given.position(end) for given in self._inputs], steps),
+            "rise": _columns([_rises(given, end) for given in self._inputs], steps),
+            "on_line": _columns([end >= g.start_time - _SAME_TIME for g in self._inputs], steps),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),
             "observed": self._observed,
         }
+        return _Known(tuple(clocks), time, arrays)
 
 
-def _inverse_mass(step: PantographStep) -> Array:
-    """Return the inverse of the effective mass over a step, column by column."""
-    zero = np.zeros(step.chain.stage_count)
-    units = np.eye(step.chain.stage_count)
-    return np.column_stack([step.acceleration(zero, zero, unit, zero) for unit in units])
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """Clocks and times of the ends of a number of steps, the present first, and their data."""
+
+    clocks: tuple[Clock, ...]
+    time: Array
+    arrays: dict[str, Any]
 
 
-def _coupling(system: System, options: StepOptions) -> float:
-    """Estimate how slowly an iteration converges whose matrix leaves out the droppers' coupling.
-
-    A dropper of stiffness k holds, over a step, ``s = (beta dt^2 + gamma dt b_R) k`` against the
-    mass m that a node moves by itself; a lagging coupling leaves the share ``s/(m + s)``.
-    """
-    if not len(system.dropper_length):
-        return 0.0
-    integrator, dt = options.integrator, options.time_step
-    over_step = integrator.beta * dt**2 + integrator.gamma * dt * system.damping_stiffness
-    hold = (1.0 + integrator.alpha) * over_step * system.dropper_stiffness
-    element = system.cable_mass * system.cable_length
-    mass = system.node_mass.copy()
-    np.add.at(mass, system.cable_nodes, 0.5 * element[:, None])
-    return float((hold / (hold + mass[system.dropper_nodes].min(axis=1))).max())
+def _columns(values: list[Array], steps: int) -> Array:
+    """Return a contiguous array with one column per pantograph, ``(steps, n)``."""
+    return np.stack(values, axis=1) if values else np.empty((steps, 0))
 
 
-def _scheme(options: StepOptions, *, coupled: bool) -> dict[str, float | bool]:
+def _rises(given: PantographInput, time: Array) -> Array:
+    return np.array([given.unevenness(t) for t in time])
+
+
+def _scheme(options: StepOptions) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
@@ -227,7 +266,6 @@ def _scheme(options: StepOptions, *, coupled: bool) -> dict[str, float | bool]:
         "tolerance": options.tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
-        "coupled": coupled,
     }
 
 

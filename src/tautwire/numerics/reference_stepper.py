@@ -23,7 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.contact import ContactWirePath
-from tautwire.numerics.effective_matrix import LineMatrices, StepCoefficients, StepFactors
+from tautwire.numerics.effective_matrix import (
+    MOST_FACTORS,
+    LineMatrices,
+    StepCoefficients,
+    StepFactors,
+)
 from tautwire.numerics.pantograph import PantographStep
 from tautwire.numerics.step_solver import (
     Clock,
@@ -75,8 +80,9 @@ class ReferenceStepper:
             system.contact_nodes, system.cable_length[: len(system.contact_nodes) - 1]
         )
         self._matrices = LineMatrices(system)
-        self._factors = StepFactors(system, self._matrices, options.integrator, options.time_step)
+        self._factors = StepFactors(system, self._matrices, options)
         self._chains: dict[float, tuple[PantographStep, ...]] = {}
+        self._systems: dict[float, System] = {}
         still = np.zeros_like(system.position)
         at_start = tuple(PantographState.at_rest(p.chain.stage_count) for p in pantographs)
         self._state = State(Clock(), system.position.copy(), still, still, still, at_start)
@@ -194,6 +200,17 @@ class ReferenceStepper:
             )
         return self._chains[time_step]
 
+    def _system_for(self, time_step: float) -> System:
+        """Return the line as it is integrated with a step."""
+        stiffening = self._options.stiffening
+        if stiffening is None:
+            return self._system
+        if time_step not in self._systems:
+            if len(self._systems) == MOST_FACTORS:
+                self._systems.clear()
+            self._systems[time_step] = stiffening.applied_to(self._system, time_step)
+        return self._systems[time_step]
+
     def _touch(self, q: Array, step: Step) -> list[Touch] | None:
         """Return the contacts at an iterate; None when a pantograph has left the wire."""
         touches = []
@@ -209,7 +226,7 @@ class ReferenceStepper:
         self, step: Step, q: Array, v: Array, a: Array, touches: list[Touch]
     ) -> Array:
         """Return ``alpha g_n - M a - (1 + alpha) g``, zero at fixed degrees of freedom."""
-        system = self._system
+        system = self._system_for(step.c.time_step)
         g = self._matrices.damping @ v
         g += internal_force(system, q, v).nodal
         g -= system.load

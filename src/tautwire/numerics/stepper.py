@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.numerics.dispersion import WaveStiffening
 from tautwire.numerics.newmark import Integrator
 from tautwire.numerics.pantograph import PantographChain
 from tautwire.status import Status
@@ -126,7 +127,7 @@ class PantographInput:
         return load
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StepOptions:
     """How a time integration works.
 
@@ -141,6 +142,9 @@ class StepOptions:
         Most iterations per step.
     full_newton : bool
         Tangent and factor at every iteration (the check of the fast path).
+    stiffening : WaveStiffening or None
+        With a step dt, wires have the bending stiffness ``EI + dt^2 bending`` and the line carries
+        ``load + dt^2 load``; damping stays that of ``EI``.
     """
 
     integrator: Integrator
@@ -149,6 +153,7 @@ class StepOptions:
     tolerance: float = 1e-7
     iterations: int = 30
     full_newton: bool = False
+    stiffening: WaveStiffening | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,12 @@ def presag(shapes: Mapping[str, Equilibrium], section: tuple[float, float]) -> F
         level = np.interp(contact[:, 0], shape.support_x, shape.support_heights)
         sag = 1e3 * (contact[:, 2] - level)
         curves.append(Curve(name, contact[:, 0], sag, number))
-    return panel_figure([Panel("", curves, "height over supports [mm]", section)], POSITION, 300)
+    panels = [Panel("", curves, "height over supports [mm]", section)]
+    if len(shapes) == 2:
+        first, second = (shape.contact_position for shape in shapes.values())
+        off = Curve("deviation", first[:, 0], 1e3 * (first[:, 2] - second[:, 2]), 2)
+        panels.append(Panel("deviation from the ideal line", [off], "deviation [mm]", section))
+    return panel_figure(panels, POSITION, 260, shared=True)
 
 
 def source_spectra(found: sources.Sources) -> Figure:
@@ -78,20 +83,17 @@ def speed_curves(curves: Mapping[str, Curves]) -> Figure:
 
 
 def event(passages: Passages, stiffness: int, when: float) -> Figure:
-    """Draw Fig. 16 from a separation: penetration, tangent line, located instant."""
+    """Draw Fig. 16 from a separation: penetration, line through the step, located instant."""
     run = passages.run(irregular("1ms", stiffness))
     record = run.pantographs[0]
     at = int(np.searchsorted(run.time, when)) - 1
     shown = slice(max(0, at - 4), at + 5)
     time, depth = 1e3 * (run.time - run.time[at]), -1e6 * record.gap
-    slope = (depth[at] - depth[at - 1]) / (time[at] - time[at - 1])
-    tangent = time[at] - depth[at] / slope if slope < 0.0 else np.nan
-    line = np.array([time[at - 1], tangent])
     fine = passages.run(irregular("0.2ms", stiffness))
     near = np.abs(fine.time - run.time[at]) <= 5e-3
     curves = [
         Curve("time step 1 ms", time[shown], depth[shown], 0, "lines+markers"),
-        Curve("tangent line at the last contact", line, depth[at] + slope * (line - time[at]), 1),
+        Curve("line through the step", time[at : at + 2], depth[at : at + 2], 1, width=2.6),
         Curve("located instant", [1e3 * (when - run.time[at])], [0.0], 2, "markers"),
         Curve("time step 0.2 ms", 1e3 * (fine.time[near] - run.time[at]),
               -1e6 * fine.pantographs[0].gap[near], 3, width=1.0),
@@ -128,7 +130,8 @@ def step_forces(passages: Passages, stiffness: int, whens: tuple[float, ...]) ->
 def _cut(curve: Curve, when: float) -> Curve:
     x, y = np.asarray(curve.x), np.asarray(curve.y)
     near = np.abs(x - when) <= 4.0 * AROUND
-    return Curve(curve.name, x[near], y[near], curve.look, "lines+markers", curve.width)
+    mode = "lines" if curve.look else "lines+markers"
+    return Curve(curve.name, x[near], y[near], curve.look, mode, curve.width)
 
 
 def telling_losses(table: steps.LossTable) -> tuple[float, ...]:

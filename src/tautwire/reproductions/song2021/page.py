@@ -47,6 +47,9 @@ OUTCOMES = {
     NO_VALUE: "unverified",
 }
 SHORT = {CONDITIONAL: "conditional"}
+MOST_NAMED = 6
+"""More conditions than these are counted, and named below with the evidence."""
+
 MOST_NUMBERS = 400
 """Longest table of evidence; the CSV file has all."""
 
@@ -122,19 +125,30 @@ def brief(claim: Claim) -> str:
     claim
     """
     if claim.explanation:
-        return " ".join(part for part in (claim.explanation, claim.remark) if part)
+        return " ".join(part for part in (_conditional(claim), claim.remark) if part)
     ranges: list[str] = []
     for name in dict.fromkeys(item.quantity for item in claim.evidence):
         items = [item for item in claim.evidence if item.quantity == name]
         low, high = min(i.found for i in items), max(i.found for i in items)
-        shown = f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g} to {high:.4g}"
+        ends = [f"{round(v, 6):.4g}".replace("-", "\N{MINUS SIGN}") for v in (low, high)]
+        shown = " to ".join(dict.fromkeys(ends))
         unit = "" if items[0].unit in ("1", "") else f" {items[0].unit}"
         wanted = {i.published for i in items if i.published is not None}
         own = f" ({wanted.pop():g})" if len(wanted) == 1 else ""
         ranges.append(f"{name} {shown}{unit}{own}")
-    text = "; ".join(ranges[:4]).replace("-", "\N{MINUS SIGN}")
+    text = "; ".join(ranges[:4])
     more = f"; and {len(ranges) - 4} more" if len(ranges) > 4 else ""
     return f"{text}{more}. {claim.remark}".strip()
+
+
+def _conditional(claim: Claim) -> str:
+    """Name the conditions under which a claim holds, or only count them when there are many."""
+    outcomes = claim.by_condition
+    if len(outcomes) <= MOST_NAMED:
+        return claim.explanation
+    kept = [name for name, holds in outcomes.items() if holds]
+    named = f": {'; '.join(kept[:MOST_NAMED])}" + ("; …" if len(kept) > MOST_NAMED else "")
+    return f"holds under {len(kept)} of {len(outcomes)} conditions{named}."
 
 
 def _evidence(claims: Sequence[Claim]) -> Section:

@@ -95,7 +95,7 @@ def _mode_chart(name: str, found: drawings_high.Found) -> object:
 def _cutoff_table(material: Material) -> Table:
     rows = tuple(
         (
-            name,
+            name.replace(" ", "\N{NO-BREAK SPACE}"),
             f"{speed}",
             f"{published.CUTOFFS[speed]:g}",
             number(float(own.cutoff[i]), 2),
@@ -159,7 +159,11 @@ def _loss_blocks(material: Material, k: int, table: steps.LossTable) -> list[obj
                   "unfiltered contact force with both time steps, and enlarged around two losses.",
                   "Contact force with two time steps.")
         )  # fmt: skip
-    blocks.append(_loss_table(k, table))
+    blocks.append(
+        _loss_table(k, table)
+        if table.time.size
+        else Text("No contact is lost at this contact stiffness.", "note")
+    )
     return blocks
 
 
@@ -177,7 +181,8 @@ def _loss_table(k: int, table: steps.LossTable) -> Table:
         )  # fmt: skip
     return Table(
         f"Table 3 of the paper, {k} kN/m: duration of contact losses [ms] in the analysed section; "
-        f"errors |t − t_ref|/t_ref with '{reference}' as reference [%]. A dash: not seen.",
+        f"errors |t − t_ref|/t_ref with '{reference}' as reference [%]; "
+        "verdicts use losses from 1 ms on. A dash: not seen.",
         ("loss", "time [s]", *names, *(f"error, {n}" for n in names[:2])),
         "r" * (4 + len(names)),
         tuple(rows),

@@ -98,7 +98,7 @@ class Scope:
     irregular: tuple[int, ...]
 
 
-FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200))
+FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200, 50))
 QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS, (FITTING,))
 
 

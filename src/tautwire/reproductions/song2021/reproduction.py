@@ -40,6 +40,7 @@ from tautwire.studies.executor import LocalWorkers
 from tautwire.studies.plan import Plan, plan_study
 from tautwire.studies.run import Options, Watch, core_count, run_study
 from tautwire.studies.store import Store
+from tautwire.studies.task import DONE
 
 STUDY = "song2021"
 
@@ -169,10 +170,13 @@ def reproduce(
     begin = time.perf_counter()
     meshes = vibration.MESHES if scope.name == FULL.name else vibration.QUICK_MESHES
     jobs = {
-        "passages": (passage_study(passages(scope), changes), Options(resume=True)),
+        "passages": (
+            passage_study(passages(scope), changes),
+            Options(resume=True, retry_failed=True),
+        ),
         "modes": (
             vibration.mode_study(meshes, changes),
-            Options(resume=True, task=vibration.TASK),
+            Options(resume=True, retry_failed=True, task=vibration.TASK),
         ),
     }
     plans: dict[str, Plan] = {}
@@ -205,8 +209,10 @@ def reproduce(
 def _run(
     plan: Plan, folder: Path, options: Options, workers: int | None, watch: Watch | None
 ) -> None:
-    """Compute what is missing."""
-    if set(plan.by_key) <= Store(folder).finished():
+    """Compute what is missing or failed before."""
+    store = Store(folder)
+    done = {key for key in store.finished() if (store.load(key) or {}).get("status") == DONE}
+    if set(plan.by_key) <= done:
         return
     count = min(workers or core_count(), len(plan.by_key))
     executor = LocalWorkers(count, folder)
@@ -224,7 +230,7 @@ def _rows(
         for point in plan.points:
             name = str(next(iter(plan.coordinates(point).values())))
             row = store.load(point.key) if point.key else None
-            if row is not None and row["status"] == "done":
+            if row is not None and row["status"] == DONE:
                 found[kind][name] = {**row, "key": point.key}
             elif row is not None:
                 missing[name] = str(row["reason"])

@@ -35,6 +35,9 @@ ADAPTIVE = "adaptive step"
 TOGETHER = 3e-3
 """Losses of two passages closer than this are the same [s]."""
 
+SHORTEST = 1e-3
+"""Shorter losses do not count in errors [s]; the shortest in Table 3 lasts 1.41 ms."""
+
 LARGE_ERROR = 50.0
 """An error that shows the constant step to be wrong [%]."""
 
@@ -72,9 +75,9 @@ class LossTable:
     durations: Mapping[str, Array]
 
     def errors(self, name: str, reference: str) -> Array:
-        """Return the error of the losses that both ways see, ``|t - t_ref|/t_ref`` [%]."""
+        """Return ``|t - t_ref|/t_ref`` [%] of the losses that both ways see, from 1 ms on."""
         own, wanted = self.durations[name], self.durations[reference]
-        both = np.isfinite(own) & np.isfinite(wanted)
+        both = np.isfinite(own) & (np.nan_to_num(wanted) >= SHORTEST)
         return 100.0 * np.abs(own[both] - wanted[both]) / wanted[both]
 
     def missed(self, name: str, reference: str) -> int:
@@ -166,6 +169,7 @@ def claims(passages: Passages, tables: Mapping[int, LossTable]) -> list[Claim]:
     tables
         By contact stiffness [kN/m].
     """
+    tables = {k: own for k, own in tables.items() if own.errors(COUNTED_1, LOCATED_1).size}
     return [
         _no_loss(passages),
         _large_error(tables),
@@ -223,9 +227,14 @@ def _missed(tables: Mapping[int, LossTable]) -> Claim:
               own.missed(COUNTED_1, name), 1, "")
         for k, own in tables.items()
         for name in _references(own)
+        if name != LOCATED_1
     )  # fmt: skip
     text = "Losses that the variable step sees are not captured by the constant step of 1 ms."
-    return Claim("losses-missed", "V.B", text, found)
+    remark = (
+        "Needs the variable step itself: an instant located in the run of the constant step "
+        "belongs to a loss which that run has seen."
+    )
+    return Claim("losses-missed", "V.B", text, found, remark)
 
 
 def _beyond(tables: Mapping[int, LossTable]) -> Claim:

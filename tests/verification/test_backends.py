@@ -1,0 +1,150 @@
+"""The compiled core against the NumPy reference: one physics, two implementations."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tautwire.numerics import ancf, backend
+from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.numerics.stepper import RoofMotion, StepBlock, StepOptions
+from tautwire.status import Status
+
+from ..lines import ac_simple, entering, moved
+
+pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+
+Array = NDArray[np.float64]
+STEPS = 150
+TWO_SPANS: dict[str, Any] = {"line__spans": 2, "settings__section": (1, 1)}
+
+
+def random_cables(count: int) -> tuple[Array, ancf.CableSection]:
+    """Return strongly bent and stretched elements."""
+    rng = np.random.default_rng(7)
+    length = rng.uniform(0.3, 1.0, count)
+    e = np.zeros((4, 3, count))
+    tangent = np.array([1.0, 0.1, 0.05])[:, None] + 0.1 * rng.normal(size=(3, count))
+    e[0] = rng.normal(size=(3, count))
+    e[2] = e[0] + length * tangent
+    e[1], e[3] = tangent + 0.1 * rng.normal(size=(2, 3, count))
+    section = ancf.CableSection(length, np.full(count, 15e6), np.full(count, 195.0))
+    return e, section
+
+
+@pytest.mark.parametrize("count", [1, 5, 37])
+def test_element_kernels(count: int) -> None:
+    """Forces and tangents of both backends agree to 1e-10 on random states, any lane remainder."""
+    e, section = random_cables(count)
+    for native, reference in (
+        (backend.cable_force(e, section, "native"), ancf.force(e, section)),
+        (backend.cable_tangent(e, section, "native"), ancf.tangent(e, section)),
+    ):
+        assert np.abs(native - reference).max() <= 1e-10 * np.abs(reference).max()
+
+
+def passage(choice: Any, case: dict[str, Any], **options: Any) -> tuple[StepBlock, Any]:
+    """Return the first steps of a passage with one backend."""
+    roof = options.pop("roof", None)
+    system, pantographs = entering(ac_simple(**case))
+    if roof is not None:
+        pantographs = tuple(moved(p, roof=roof) for p in pantographs)
+    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 2e5} | options
+    stepper = backend.make_stepper(
+        system, pantographs, StepOptions(**chosen), np.array([2, 14]), choice
+    )
+    return stepper.advance(STEPS), stepper
+
+
+CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "plain": (TWO_SPANS, {}),
+    "HHT": (TWO_SPANS, {"integrator": HHT(-0.1)}),
+    "small step, soft contact": (TWO_SPANS, {"time_step": 2e-4, "contact_stiffness": 5e4}),
+    "weighted ends": (TWO_SPANS | {"line__ends": "weighted"}, {}),
+    "swinging arms": (TWO_SPANS | {"supports__arm__motion": "swinging"}, {}),
+    "springs": (
+        TWO_SPANS
+        | {"supports__closure": "spring", "supports__spring": {"stiffness": 300.0, "mass": 0.4}},
+        {},
+    ),
+    "stiff droppers": (TWO_SPANS | {"droppers__stiffness": "5 MN/m"}, {}),
+    "no damping": (TWO_SPANS | {"line__damping": {"mass": 0.0, "stiffness": 0.0}}, {}),
+    "other direction": (TWO_SPANS | {"scenario__direction": "-x"}, {}),
+    "roof motion": (
+        TWO_SPANS,
+        {"roof": RoofMotion(np.array([0.0, 0.05, 0.1]), np.array([0.0, 0.02, 0.0]))},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_same_passage(name: str) -> None:
+    """Both backends give the same force within 1e-5 N when both are solved to 1e-12 m."""
+    case, options = CASES[name]
+    (native, _), (reference, _) = (
+        passage(choice, case, tolerance=1e-12, **options) for choice in ("native", "reference")
+    )
+    assert native.status is reference.status is Status.RUNNING
+    np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(native.gap, reference.gap, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(native.stages, reference.stages, rtol=0.0, atol=1e-10)
+    stiffness = ac_simple(**case).droppers.stiffness.of_length(1.0)
+    forces = native.dropper_force, reference.dropper_force
+    np.testing.assert_allclose(*forces, rtol=0.0, atol=2e-10 * stiffness)
+    np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-10)
+
+
+def test_fast_path_against_full_newton() -> None:
+    """The default tolerance leaves an rms error below 0.1 N in the contact force."""
+    fast, _ = passage("native", TWO_SPANS)
+    full, _ = passage("native", TWO_SPANS, full_newton=True, tolerance=1e-10)
+    error = fast.contact_force - full.contact_force
+    assert np.sqrt(np.mean(error**2)) <= 0.1
+    assert np.abs(error).max() <= 0.5
+
+
+def test_state_that_is_not_finite_is_an_error() -> None:
+    """A state that blows up ends with a status, never with a force of zero."""
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    system = system.with_(load=np.where(np.arange(system.dof_count) == 302, np.nan, system.load))
+    options = StepOptions(Newmark(), 1e-3, 2e5)
+    stepper = backend.make_stepper(system, pantographs, options, np.array([2]), "native")
+    assert stepper.advance(3).status in (Status.NOT_FINITE, Status.NOT_CONVERGED)
+
+
+def test_leaving_the_wire_is_told() -> None:
+    """A pantograph that runs off the end of the wire stops the integration with its status."""
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    end = system.position[6 * system.contact_nodes[-1]]
+    late = tuple(moved(p, start_x=float(end) - 0.5) for p in pantographs)
+    options = StepOptions(Newmark(), 1e-3, 2e5)
+    for choice in ("native", "reference"):
+        stepper = backend.make_stepper(system, late, options, np.array([2]), choice)  # type: ignore[arg-type]
+        block = stepper.advance(50)
+        assert block.status is Status.OFF_THE_LINE
+        assert len(block.time) == 5
+
+
+@pytest.mark.parametrize("level", ["v2", "v3", "v4"])
+def test_every_instruction_set(level: str) -> None:
+    """Each instruction set gives the forces of the reference to 1e-10."""
+    program = (
+        "from tests.verification.test_backends import random_cables, ancf, backend\n"
+        "import numpy as np\n"
+        "e, s = random_cables(19)\n"
+        "a, b = backend.cable_force(e, s, 'native'), ancf.force(e, s)\n"
+        "print(np.abs(a - b).max() <= 1e-10 * np.abs(b).max(), backend.backend_name('native'))\n"
+    )
+    environment = os.environ | {"TAUTWIRE_SIMD": level}
+    answer = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=False
+    )
+    if "compiled core is not available" in answer.stderr:
+        pytest.skip(f"this processor has no x86-64-{level}")
+    assert answer.stdout.startswith("True"), answer.stderr
