@@ -5,9 +5,12 @@
 
 namespace tautwire::TAUTWIRE_ISA {
 
-// Coordinates, velocities and what the mass acts on, a + (1 + alpha) a_R v, of the nodes of a row.
+// Motion of the nodes of a row: coordinates, what the mass acts on, a + (1 + alpha) a_R v, and
+// velocities; those of the slopes in single precision, for both wires.
 struct Motion {
-    Row q, v, s;
+    Row q, s;
+    Doubles v[2][3];
+    Floats turn[3];
 };
 
 // Forces on the left and the right nodes of a row of elements.
@@ -15,17 +18,22 @@ struct Ends {
     Doubles left[6], right[6];
 };
 
-// b_R K0 on the coefficients of the parabola, both wires.
+// b_R K0 of a row of elements on (r2 - r1, r1', r2') of both wires, packed. A symmetric matrix whose
+// forces on r1 and r2 are opposite needs no more.
 struct Damping {
     Floats k[kPacked];
 };
 
-// Add the damping forces of both wires to `f`.
-TAUTWIRE_INLINE void add_damping(
-    const Damping& damping, const Parabola<Doubles> (&rate)[2], Parabola<Doubles> (&f)[2]) {
-    Floats x[9], y[9];
+// Damping forces of a row of elements on (r2, r1', r2').
+TAUTWIRE_INLINE void damping_forces(
+    const Damping& damping, const Motion& left, const Motion& right, Floats (&y)[9]) {
+    Floats x[9];
     TAUTWIRE_UNROLL
-    for (int i = 0; i < 9; ++i) x[i] = join(rate[0].c[i / 3][i % 3], rate[1].c[i / 3][i % 3]);
+    for (int i = 0; i < 3; ++i) {
+        x[i] = join(right.v[0][i] - left.v[0][i], right.v[1][i] - left.v[1][i]);
+        x[3 + i] = left.turn[i];
+        x[6 + i] = right.turn[i];
+    }
     TAUTWIRE_UNROLL
     for (int i = 0; i < 9; ++i) y[i] = damping.k[packed(i, i)] * x[i];
     TAUTWIRE_UNROLL
@@ -35,10 +43,6 @@ TAUTWIRE_INLINE void add_damping(
             y[i] += damping.k[packed(i, j)] * x[j];
             y[j] += damping.k[packed(i, j)] * x[i];
         }
-    TAUTWIRE_UNROLL
-    for (int wire = 0; wire < 2; ++wire)
-        TAUTWIRE_UNROLL
-        for (int i = 0; i < 9; ++i) f[wire].c[i / 3][i % 3] += widen(y[i], wire);
 }
 
 // Forces of one wire's elements on their nodes: minus `f` (per length, on the parabola) and minus
@@ -95,7 +99,7 @@ TAUTWIRE_INLINE void add_supports(const Support& support, const Motion& at, Row&
     const Doubles length = square_root(dot(t, t));
     const Doubles tension = support.arm_stiffness * (length - support.arm_length) / length;
     const Doubles* k = support.arm_damping;
-    const Doubles* v = at.v[0];
+    const Doubles(&v)[3] = at.v[0];
     r[0][0] -= tension * t[0] + k[0] * v[0] + k[1] * v[1] + k[2] * v[2];
     r[0][1] -= tension * t[1] + k[1] * v[0] + k[3] * v[1] + k[4] * v[2];
     r[0][2] -= tension * t[2] + k[2] * v[0] + k[4] * v[1] + k[5] * v[2];
@@ -103,7 +107,8 @@ TAUTWIRE_INLINE void add_supports(const Support& support, const Motion& at, Row&
         for (int i = 0; i < 6; ++i) {
             r[wire][i] -= support.spring_stiffness[wire][i] *
                               (at.q[wire][i] - support.spring_free[wire][i]) +
-                          support.spring_damping[wire][i] * at.v[wire][i];
+                          support.spring_damping[wire][i] *
+                              (i < 3 ? at.v[wire][i] : widen(at.turn[i - 3], wire));
             r[wire][i] *= support.free[wire][i];
         }
 }

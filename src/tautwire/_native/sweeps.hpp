@@ -91,17 +91,20 @@ private:
 };
 
 inline void Sweeps::set_damping(int row) {
-    Doubles tangent[2][kPacked];
+    constexpr int kSlot[9] = {6, 7, 8, 3, 4, 5, 9, 10, 11};  // r2, r1', r2' of (r1, r1', r2, r2')
+    Doubles k[2][12][12];
     for (int wire = 0; wire < 2; ++wire) {
         const Element& element = line.element[2 * row + wire];
-        Doubles left[6], right[6];
+        Doubles left[6], right[6], tangent[kPacked];
         element_nodes(line, line.position, row, wire, left, right);
         elastic_tangent(
-            parabola(left, right, element.inverse_length), element.stiffness, tangent[wire]);
+            parabola(left, right, element.inverse_length), element.stiffness, tangent);
+        nodal_tangent(tangent, element, k[wire]);
     }
-    for (int i = 0; i < kPacked; ++i)
-        damping_[row].k[i] = join(line.damping_stiffness * tangent[0][i],
-                                  line.damping_stiffness * tangent[1][i]);
+    for (int i = 0; i < 9; ++i)
+        for (int j = i; j < 9; ++j)
+            damping_[row].k[packed(i, j)] = join(line.damping_stiffness * k[0][kSlot[i]][kSlot[j]],
+                                                 line.damping_stiffness * k[1][kSlot[i]][kSlot[j]]);
 }
 
 // Form the motion of a row's nodes. With kFirst it is predicted; kStore keeps the prediction.
@@ -109,6 +112,7 @@ template <bool kFirst, bool kStore>
 TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
     const WireState& from = kFirst ? start() : end();
     WireState& to = end();
+    Doubles slope_rate[2][3];
     TAUTWIRE_UNROLL
     for (int wire = 0; wire < 2; ++wire)
         TAUTWIRE_UNROLL
@@ -125,25 +129,33 @@ TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
             }
             v += to.to_velocity * acceleration;
             out.q[wire][i] = q + to.to_position * acceleration;
-            out.v[wire][i] = v;
             out.s[wire][i] = acceleration + line.damping_mass * v;
+            (i < 3 ? out.v[wire][i] : slope_rate[wire][i - 3]) = v;
         }
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 3; ++i) out.turn[i] = join(slope_rate[0][i], slope_rate[1][i]);
 }
 
 // Forces of the elements behind a row: minus elastic, damping and inertia forces.
 TAUTWIRE_INLINE void Sweeps::wires(
     int row, const Motion& left, const Motion& right, Ends (&out)[2]) const {
-    const Element* element = &line.element[2 * row];
-    Parabola<Doubles> f[2], rate[2];
+    Floats damping[9];
+    damping_forces(damping_[row], left, right, damping);
     for (int wire = 0; wire < 2; ++wire) {
-        const Doubles inverse = element[wire].inverse_length;
-        f[wire] = elastic_force(
-            parabola(left.q[wire], right.q[wire], inverse), element[wire].stiffness);
-        rate[wire] = parabola(left.v[wire], right.v[wire], inverse);
+        const Element& element = line.element[2 * row + wire];
+        const Parabola<Doubles> f = elastic_force(
+            parabola(left.q[wire], right.q[wire], element.inverse_length), element.stiffness);
+        Ends ends = wire_forces(element, f, left.s[wire], right.s[wire]);
+        TAUTWIRE_UNROLL
+        for (int i = 0; i < 3; ++i) {
+            const Doubles along = widen(damping[i], wire);
+            ends.left[i] += along;
+            ends.right[i] -= along;
+            ends.left[3 + i] -= widen(damping[3 + i], wire);
+            ends.right[3 + i] -= widen(damping[6 + i], wire);
+        }
+        out[wire] = ends;
     }
-    add_damping(damping_[row], rate, f);
-    for (int wire = 0; wire < 2; ++wire)
-        out[wire] = wire_forces(element[wire], f[wire], left.s[wire], right.s[wire]);
 }
 
 // The row behind the last one: the next segment's first; in the last lane, which has no next
@@ -152,10 +164,11 @@ inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
     for (int wire = 0; wire < 2; ++wire)
         for (int i = 0; i < 6; ++i) {
             out.q[wire][i] = to_previous_segment(first.q[wire][i]);
-            out.v[wire][i] = to_previous_segment(first.v[wire][i]);
             out.s[wire][i] = to_previous_segment(first.s[wire][i]);
+            if (i < 3) out.v[wire][i] = to_previous_segment(first.v[wire][i]);
             out.q[wire][i][kLanes - 1] = last.q[wire][i][kLanes - 1] + (i == 0 ? 1.0 : 0.0);
         }
+    for (int i = 0; i < 3; ++i) out.turn[i] = to_previous_segment(first.turn[i]);
 }
 
 template <bool kFirst, class P>

@@ -71,9 +71,7 @@ class LineMatrices:
         self._mass_values = self.pattern.values(mass_parts(system))
         self._lumped = lumped_mass(system)
         parts = tangent_parts(system, system.position)
-        rayleigh = TangentParts(
-            parts.cables, 0.0 * parts.droppers, parts.arms, 0.0 * parts.springs
-        )
+        rayleigh = TangentParts(parts.cables, 0.0 * parts.droppers, parts.arms, 0.0 * parts.springs)
         supports = TangentParts(
             0.0 * parts.cables, 0.0 * parts.droppers, 0.0 * parts.arms, system.spring_damping
         )

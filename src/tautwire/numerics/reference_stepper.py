@@ -222,9 +222,7 @@ class ReferenceStepper:
             touches.append(Touch(p, point, force))
         return touches
 
-    def _residual(
-        self, step: Step, q: Array, v: Array, a: Array, touches: list[Touch]
-    ) -> Array:
+    def _residual(self, step: Step, q: Array, v: Array, a: Array, touches: list[Touch]) -> Array:
         """Return ``alpha g_n - M a - (1 + alpha) g``, zero at fixed degrees of freedom."""
         system = self._system_for(step.c.time_step)
         g = self._matrices.damping @ v

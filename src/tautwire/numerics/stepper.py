@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -15,6 +16,16 @@ from tautwire.status import Status
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
+
+_HISTORIES = (
+    "time",
+    "contact_force",
+    "gap",
+    "wire_height",
+    "stages",
+    "dropper_force",
+    "observed",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +200,17 @@ class StepBlock:
     observed: Array
     status: Status
     refused_gap: Array | None = None
+
+    def rows(self, first: int, stop: int, every: int = 1) -> StepBlock:
+        """Return some of the steps."""
+        kept = {name: getattr(self, name)[first:stop:every] for name in _HISTORIES}
+        return StepBlock(status=self.status, **kept)
+
+    @classmethod
+    def joined(cls, blocks: Sequence[StepBlock], status: Status) -> StepBlock:
+        """Join at least one block to one, with a status of its own."""
+        kept = {name: np.concatenate([getattr(b, name) for b in blocks]) for name in _HISTORIES}
+        return cls(status=status, **kept)
 
 
 @dataclass

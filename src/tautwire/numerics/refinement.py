@@ -1,0 +1,268 @@
+"""The adaptive step: finer where contact is lost, until the durations of the losses settle.
+
+Two errors decide when a contact opens. One was made before: waves that the pantograph sent out up
+to a second ago come back to it with the speed that the time step gives them. It is kept small by a
+base step that follows from the tolerance and by stiffening the wires against the loss of wave speed
+(:mod:`tautwire.numerics.dispersion`). The other is made at the contact itself, shortly before,
+during and after the loss. It is removed by going back before each loss, or near loss, and taking
+steps of 1/2, 1/4, ... of the base step, until the durations of two passes agree. Newmark's error
+falls with the square of the step, so that the finer of two passes is off by a third of their
+difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil, inf, log2, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.crossings import crossings_between, lost_spans, near_losses
+from tautwire.numerics.step_control import MOST_LOSSES, Chunk, LossCounter, Task
+from tautwire.numerics.stepper import StepBlock
+from tautwire.status import Status
+
+Array = NDArray[Any]
+Span = tuple[float, float]
+Spans = tuple[list[Span], ...]
+
+_BASE_STEP = 0.5e-3
+_BASE_TOLERANCE = 0.2e-3
+_SEGMENT = 5
+_LONGEST = 0.2
+_MOST_LEVELS = 5
+_ORDER_GAIN = 3.0
+_SAME_TIME = 1e-9
+
+
+@dataclass(frozen=True)
+class AdaptiveStep:
+    """Refine the step around losses of contact until their durations settle.
+
+    Parameters
+    ----------
+    time_step
+        Sampling interval of the record, and step outside the analysed section [s].
+    tolerance
+        Error of the duration of a loss that is aimed at [s].
+    lead, trail
+        Time before a separation and after a re-contact that is refined [s].
+    memory
+        Time before the analysed section from which on the base step is used [s].
+    shortest
+        Losses that would last as long are not missed [s].
+    most_losses
+        Losses per pantograph after which the integration stops.
+    """
+
+    time_step: float
+    tolerance: float = 0.2e-3
+    lead: float = 0.016
+    trail: float = 0.005
+    memory: float = 1.0
+    shortest: float = 1e-3
+    most_losses: int = MOST_LOSSES
+    corrects_waves: bool = True
+
+    @property
+    def base_level(self) -> int:
+        """How often the time step is halved for the analysed section."""
+        base = _BASE_STEP * sqrt(self.tolerance / _BASE_TOLERANCE)
+        return max(0, ceil(log2(self.time_step / base) - 1e-9))
+
+    def integrate(self, task: Task) -> Iterator[Chunk]:
+        """Advance chunk by chunk; a chunk is final when no loss behind it can change it."""
+        counter = LossCounter(self.most_losses)
+        for chunk in _Refiner(self, task).chunks():
+            yield counter.checked(chunk)
+            if counter.is_exceeded:
+                return
+
+    def describe(self) -> str:
+        """Name with parameters, as written to results."""
+        base = 1e3 * self.time_step / 2**self.base_level
+        waves = ", wave speed corrected" if self.corrects_waves else ""
+        return (
+            f"adaptive step from {base:g} ms in the section and {1e3 * self.time_step:g} ms "
+            f"outside, loss durations to {1e3 * self.tolerance:g} ms{waves}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Segment:
+    """A few samples: number and state before them, all gaps between them, state after them."""
+
+    first: int
+    mark: object
+    start: float
+    steps: StepBlock
+    time: Array
+    gap: Array
+    coordinates: Array
+
+
+@dataclass(frozen=True)
+class _Trouble:
+    """From when to when contact is lost, or nearly lost."""
+
+    first: float
+    last: float
+
+
+class _Refiner:
+    """Takes segments ahead, goes back where contact is lost, hands out what is final."""
+
+    def __init__(self, control: AdaptiveStep, task: Task) -> None:
+        self._control, self._task, self._stepper = control, task, task.stepper
+        self._length = min(_SEGMENT, task.chunk)
+        self._ahead: list[_Segment] = []
+        self._final: list[_Segment] = []
+        self._settled = -inf
+        self._last = (np.empty(0), np.empty((0, 0)))
+        self._notes = task.stepper.counters.notes
+        self._notes |= {"windows": 0, "refined_s": 0.0, "unsettled_windows": 0}
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Integrate to the end of the task."""
+        while not self._is_over():
+            self._ahead.append(self._take(self._base_level()))
+            trouble = self._trouble()
+            if trouble is not None and self._is_past(trouble):
+                self._refine(trouble)
+                trouble = None
+            yield from self._released(trouble)
+
+    def _is_over(self) -> bool:
+        if not self._ahead:
+            return False
+        steps = self._ahead[-1].steps
+        done = self._ahead[-1].first + len(steps.time)
+        return done >= self._task.steps or steps.status is not Status.RUNNING
+
+    def _base_level(self) -> int:
+        """Return how often the time step is halved in the next segment of the base pass."""
+        begin, end = self._task.focus
+        inside = begin - self._control.memory <= self._stepper.time <= end
+        return self._control.base_level if inside else 0
+
+    def _take(self, level: int) -> _Segment:
+        """Take the next samples with the time step halved ``level`` times."""
+        first = self._ahead[-1].first + len(self._ahead[-1].steps.time) if self._ahead else 0
+        samples, parts = min(self._length, self._task.steps - first), 2**level
+        mark, start = self._stepper.mark(), self._stepper.time
+        dense = self._stepper.advance(samples * parts, self._control.time_step / parts)
+        kept = dense.rows(parts - 1, len(dense.time), parts)
+        end = self._stepper.coordinates.copy()
+        return _Segment(first, mark, start, kept, dense.time, dense.gap, end)
+
+    def _trouble(self) -> _Trouble | None:
+        """Find losses and near losses that the base pass has met and that are not yet refined."""
+        open_segments = [s for s in self._ahead if s.start >= self._settled]
+        begin, end = self._task.focus
+        spans = [
+            span
+            for span in _lost(open_segments, self._control.shortest)
+            if begin <= span[1] and span[0] <= end
+        ]
+        if not spans:
+            return None
+        return _Trouble(min(s[0] for s in spans), max(s[1] for s in spans))
+
+    def _is_past(self, trouble: _Trouble) -> bool:
+        now = self._stepper.time
+        is_calm = now - trouble.last >= self._control.trail
+        return is_calm or now - trouble.first > _LONGEST or self._is_over()
+
+    def _refine(self, trouble: _Trouble) -> None:
+        """Replace the segments around a trouble by finer ones."""
+        free = [i for i, s in enumerate(self._ahead) if s.start >= self._settled]
+        early = [i for i in free if self._ahead[i].start <= trouble.first - self._control.lead]
+        index = early[-1] if early else free[0]
+        coarse = self._ahead[index:]
+        losses, level, error = _losses(coarse), self._control.base_level, inf
+        while error > self._control.tolerance and level < self._control.base_level + _MOST_LEVELS:
+            level += 1
+            del self._ahead[index:]
+            self._retake(coarse, level)
+            finer = _losses(self._ahead[index:])
+            error, losses = _difference(losses, finer) / _ORDER_GAIN, finer
+            if self._ahead[-1].steps.status is not Status.RUNNING:
+                break
+        self._settled = self._stepper.time - _SAME_TIME
+        self._notes["windows"] += 1
+        self._notes["refined_s"] += self._stepper.time - coarse[0].start
+        self._notes["unsettled_windows"] += error > self._control.tolerance
+
+    def _retake(self, coarse: Sequence[_Segment], level: int) -> None:
+        """Take segments anew with a finer step, and more of them until contact has settled."""
+        self._stepper.rewind(coarse[0].mark)
+        fine: list[_Segment] = []
+        is_done = False
+        while not is_done:
+            self._ahead.append(self._take(level))
+            fine.append(self._ahead[-1])
+            ends = [span[1] for spans in _losses(fine) for span in spans]
+            now = self._stepper.time
+            is_calm = now - max(ends, default=-inf) >= self._control.trail
+            is_done = len(fine) >= len(coarse) and (is_calm or now - fine[0].start > _LONGEST)
+            is_done |= self._is_over()
+
+    def _released(self, trouble: _Trouble | None) -> Iterator[Chunk]:
+        """Hand out what no later loss can change, in chunks."""
+        horizon = self._stepper.time if trouble is None else trouble.first
+        horizon -= self._control.lead + 2.0 * self._length * self._control.time_step
+        everything = self._is_over()
+        while self._ahead and (everything or self._ahead[0].time[-1] < horizon):
+            self._final.append(self._ahead.pop(0))
+            samples = sum(len(s.steps.time) for s in self._final)
+            if samples >= self._task.chunk or (everything and not self._ahead):
+                yield self._chunk()
+
+    def _chunk(self) -> Chunk:
+        segments, self._final = self._final, []
+        time = np.concatenate([self._last[0], *(s.time for s in segments)])
+        gap = np.concatenate(
+            [self._last[1].reshape(-1, segments[0].gap.shape[1]), *(s.gap for s in segments)]
+        )
+        self._last = (time[-1:], gap[-1:])
+        steps = StepBlock.joined([s.steps for s in segments], segments[-1].steps.status)
+        return Chunk(steps, segments[-1].coordinates, tuple(crossings_between(time, gap)))
+
+
+def _joined(segments: Sequence[_Segment]) -> tuple[Array, Array]:
+    """Return time ``(n,)`` and gaps ``(n, n_pantograph)`` of some segments."""
+    return np.concatenate([s.time for s in segments]), np.concatenate([s.gap for s in segments])
+
+
+def _losses(segments: Sequence[_Segment]) -> Spans:
+    """Return the spans of time in which each pantograph has lost contact."""
+    time, gap = _joined(segments)
+    return tuple(lost_spans(time, column) for column in gap.T)
+
+
+def _lost(segments: Sequence[_Segment], shortest: float) -> list[Span]:
+    """Return all losses and near losses of all pantographs."""
+    if not segments:
+        return []
+    time, gap = _joined(segments)
+    near = [(t, t) for column in gap.T for t in near_losses(time, column, shortest)]
+    return near + [span for spans in _losses(segments) for span in spans]
+
+
+def _difference(coarse: Spans, fine: Spans) -> float:
+    """Return the largest difference in duration of losses that overlap; alone, a loss counts whole.
+
+    Losses that only one pass has, or that one has in two parts, count with their own duration.
+    """
+    largest = 0.0
+    for one, other in zip(coarse, fine, strict=True):
+        for spans, others in ((one, other), (other, one)):
+            for begin, end in spans:
+                mates = [e - b for b, e in others if b < end and e > begin]
+                largest = max(
+                    largest, min((abs(end - begin - m) for m in mates), default=end - begin)
+                )
+    return largest
