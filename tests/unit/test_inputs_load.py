@@ -168,7 +168,9 @@ def test_source_of_a_replaced_value_is_dropped(tmp_path: Path) -> None:
 def test_malformed_sources_of_a_part_are_told(tmp_path: Path) -> None:
     """An entry that is no mapping is refused where the sources are listed."""
     (tmp_path / "wire.yaml").write_text("sources: [5]\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"sources\[\d+\]: got 5; expected a mapping with the keys"):
+    with pytest.raises(
+        InputError, match=r"sources\[\d+\]: got 5; expected a mapping with the keys"
+    ):
         load_text(tmp_path, "wires: {contact: {include: wire.yaml}}\n")
 
 

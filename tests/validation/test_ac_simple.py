@@ -24,7 +24,7 @@ BANDS = ("0_2", "0_5", "5_20", "0_20")
 
 @cache
 def statistics(speed: str, stiffness: str, guess: str) -> RunStatistics:
-    """Run AC simple once per condition; the guess saves a passage, it does not change the result."""
+    """Run AC simple once per condition; the guess saves a passage, nothing else."""
     changes = {"settings.contact_stiffness": stiffness, "scenario.uplift_guess": guess}
     run = tw.run("ac-simple", speed=speed, overrides=changes)
     assert run.status == "done"

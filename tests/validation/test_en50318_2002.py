@@ -43,7 +43,7 @@ NOTES = {
 
 @pytest.mark.parametrize("speed", [250, pytest.param(300, marks=pytest.mark.slow)])
 def test_published_ranges(speed: int, record_validation: Record) -> None:
-    """All quantities but the real maximum at 250 km/h lie in the published ranges (sharp filter)."""
+    """All but the real maximum at 250 km/h lies in the published ranges (sharp filter)."""
     run = tw.run("en50318-2002", speed=f"{speed} km/h")
     statistics = tw.contact_statistics(run)
     front = statistics.pantograph()

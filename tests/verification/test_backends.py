@@ -143,7 +143,11 @@ def test_every_instruction_set(level: str) -> None:
     )
     environment = os.environ | {"TAUTWIRE_SIMD": level}
     answer = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=False
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=False,
     )
     if "compiled core is not available" in answer.stderr:
         pytest.skip(f"this processor has no x86-64-{level}")

@@ -21,6 +21,8 @@ struct LineData {
     const std::int64_t* spring_dof;
     const double *spring_stiffness, *spring_damping, *spring_free;
     double damping_mass, damping_stiffness;
+    // Added per square of the time step (numerics/dispersion.py); null: nothing.
+    const double *stiffening_bending, *stiffening_load;  // (2, stations - 1), (stations, 2, 6)
 };
 
 // Time integration (theory: numerics/newmark.py) and when an iteration stops.

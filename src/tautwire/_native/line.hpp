@@ -36,6 +36,11 @@ class Line {
 public:
     Line(const LineData& data, double weight);
 
+    // Whether a time step asks for another bending stiffness of the wires; set it.
+    bool depends_on(double dt) const { return bending_.size() > 0 && dt != time_step_; }
+    void set_time_step(double dt);
+    double time_step() const { return time_step_; }
+
     Layout layout;
     Buffer<Element> element;    // [2 row + wire]
     Buffer<Doubles> node_mass;  // [2 row + wire]
@@ -48,11 +53,20 @@ public:
     Buffer<int> dropper_row, dropper_lane;
 
 private:
+    // What does not depend on the time step, and what is added per square of it.
+    struct Parts {
+        Doubles constant, per_square;
+    };
+
+    void set_stiffening(const LineData& data);
     void set_elements(const LineData& data);
     void set_nodes(const LineData& data);
     void set_hangers(const LineData& data);
     void set_supports(const LineData& data);
     void set_arms(const LineData& data);
+
+    double time_step_ = 0.0;
+    Buffer<Parts> bending_, load_;  // [2 row + wire], [12 row + 6 wire + i]; empty: not stiffened
 };
 
 inline Line::Line(const LineData& data, double weight_)
@@ -74,6 +88,35 @@ inline Line::Line(const LineData& data, double weight_)
     set_hangers(data);
     set_supports(data);
     set_arms(data);
+    if (data.stiffening_bending) set_stiffening(data);
+}
+
+inline void Line::set_stiffening(const LineData& data) {
+    bending_ = Buffer<Parts>(element.size());
+    load_ = Buffer<Parts>(12 * load.size());
+    for (std::size_t k = 0; k < element.size(); ++k) bending_[k].constant = element[k].stiffness.bending;
+    for (std::size_t k = 0; k < load_.size(); ++k) load_[k].constant = load[k / 12][k % 12 / 6][k % 6];
+    const int count = data.stations - 1;
+    for (int s = 0; s < data.stations; ++s) {
+        const int row = layout.row(s), lane = layout.lane(s);
+        for (int i = 0; i < 12; ++i)
+            load_[12 * row + i].per_square[lane] = weight * data.stiffening_load[12 * s + i];
+        if (s == count) continue;
+        for (int wire = 0; wire < 2; ++wire) {
+            const double length = data.length[wire * count + s];
+            bending_[2 * row + wire].per_square[lane] =
+                4.0 * weight * data.stiffening_bending[wire * count + s] / (length * length);
+        }
+    }
+}
+
+inline void Line::set_time_step(double dt) {
+    if (!depends_on(dt)) return;
+    time_step_ = dt;
+    for (std::size_t k = 0; k < element.size(); ++k)
+        element[k].stiffness.bending = bending_[k].constant + dt * dt * bending_[k].per_square;
+    for (std::size_t k = 0; k < load_.size(); ++k)
+        load[k / 12][k % 12 / 6][k % 6] = load_[k].constant + dt * dt * load_[k].per_square;
 }
 
 inline void Line::set_elements(const LineData& data) {

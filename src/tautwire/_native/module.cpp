@@ -116,6 +116,9 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     data.spring_stiffness = entry<double>(line, "spring_stiffness", springs);
     data.spring_damping = entry<double>(line, "spring_damping", springs);
     data.spring_free = entry<double>(line, "spring_free", springs);
+    const bool stiffened = line.contains("stiffening_bending");
+    data.stiffening_bending = stiffened ? entry<double>(line, "stiffening_bending", cables) : nullptr;
+    data.stiffening_load = stiffened ? entry<double>(line, "stiffening_load", dofs) : nullptr;
     data.damping_mass = nb::cast<double>(line["damping_mass"]);
     data.damping_stiffness = nb::cast<double>(line["damping_stiffness"]);
     for (std::size_t i = 0; i < droppers_; ++i)

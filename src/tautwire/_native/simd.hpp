@@ -138,60 +138,78 @@ TAUTWIRE_INLINE V is_positive(V x) {
     return x;
 }
 
+// Lane i of the result is lane index(i) of a and b, which follow each other.
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define TAUTWIRE_SHUFFLES
+#endif
+#endif
+
+#ifdef TAUTWIRE_SHUFFLES
+template <class V, class Index, std::size_t... I>
+TAUTWIRE_INLINE auto shuffle(V a, V b, Index, std::index_sequence<I...>) {
+    return __builtin_shufflevector(a, b, Index{}(static_cast<int>(I))...);
+}
+template <int N, class V, class Index>
+TAUTWIRE_INLINE auto shuffle(V a, V b, Index index) {
+    return shuffle(a, b, index, std::make_index_sequence<N>());
+}
+#else
+template <int N, class V, class Index>
+TAUTWIRE_INLINE auto shuffle(V a, V b, Index index) {
+    constexpr int n = kLanesOf<V>;
+    Pack<std::decay_t<decltype(a[0])>, N> out = {};
+    for (int i = 0; i < N; ++i) out[i] = index(i) < n ? a[index(i)] : b[index(i) - n];
+    return out;
+}
+#endif
+
+#if defined(__GNUC__)
+template <class To, class V>
+TAUTWIRE_INLINE To convert(V x) {
+    return __builtin_convertvector(x, To);
+}
+#else
+template <class To, class V>
+TAUTWIRE_INLINE To convert(V x) {
+    To out = {};
+    for (int i = 0; i < kLanesOf<V>; ++i) out[i] = static_cast<std::decay_t<decltype(out[0])>>(x[i]);
+    return out;
+}
+#endif
+
 // The lanes of the contact wire, then those of the messenger wire, rounded to single precision.
 TAUTWIRE_INLINE Floats join(Doubles contact, Doubles messenger) {
-#if defined(__GNUC__)
     using Half = Pack<float, kLanes>;
-    Half parts[2] = {__builtin_convertvector(contact, Half), __builtin_convertvector(messenger, Half)};
-    Floats out;
-    std::memcpy(&out, parts, sizeof(out));
-    return out;
-#else
-    Floats out;
-    for (int i = 0; i < kLanes; ++i) {
-        out[i] = static_cast<float>(contact[i]);
-        out[kLanes + i] = static_cast<float>(messenger[i]);
-    }
-    return out;
-#endif
+    return shuffle<2 * kLanes>(
+        convert<Half>(contact), convert<Half>(messenger), [](int i) constexpr { return i; });
 }
 
-TAUTWIRE_INLINE Doubles widen(const Floats& x, int wire) {
-#if defined(__GNUC__)
-    using Half = Pack<float, kLanes>;
-    Half half;
-    std::memcpy(&half, reinterpret_cast<const float*>(&x) + wire * kLanes, sizeof(half));
-    return __builtin_convertvector(half, Doubles);
-#else
-    Doubles out;
-    for (int i = 0; i < kLanes; ++i) out[i] = x[wire * kLanes + i];
-    return out;
-#endif
+// The lanes of one wire.
+TAUTWIRE_INLINE Doubles widen(Floats x, int wire) {
+    return convert<Doubles>(
+        wire ? shuffle<kLanes>(x, x, [](int i) constexpr { return kLanes + i; })
+             : shuffle<kLanes>(x, x, [](int i) constexpr { return i; }));
+}
+
+// Exchange the wires.
+TAUTWIRE_INLINE Floats other_wire(Floats x) {
+    return shuffle<2 * kLanes>(x, x, [](int i) constexpr { return (i + kLanes) % (2 * kLanes); });
 }
 
 // Move every lane's value to the next (previous) segment of the same wire; zero enters at the end.
 // A vector of W doubles holds one wire, one of 2 W floats holds both wires.
 template <class V>
 TAUTWIRE_INLINE V to_next_segment(V x) {
-    V out = broadcast<V>(0.0);
-    for (int i = 0; i < kLanesOf<V>; ++i)
-        if (i % kLanes != 0) out[i] = x[i - 1];
-    return out;
+    return shuffle<kLanesOf<V>>(x, broadcast<V>(0.0), [](int i) constexpr {
+        return i % kLanes == 0 ? kLanesOf<V> : i - 1;
+    });
 }
-
 template <class V>
 TAUTWIRE_INLINE V to_previous_segment(V x) {
-    V out = broadcast<V>(0.0);
-    for (int i = 0; i < kLanesOf<V>; ++i)
-        if (i % kLanes != kLanes - 1) out[i] = x[i + 1];
-    return out;
-}
-
-// Exchange the wires.
-TAUTWIRE_INLINE Floats other_wire(const Floats& x) {
-    Floats out;
-    for (int i = 0; i < 2 * kLanes; ++i) out[i] = x[(i + kLanes) % (2 * kLanes)];
-    return out;
+    return shuffle<kLanesOf<V>>(x, broadcast<V>(0.0), [](int i) constexpr {
+        return i % kLanes == kLanes - 1 ? kLanesOf<V> : i + 1;
+    });
 }
 
 // A block of memory aligned for vectors, zero at the start.

@@ -97,6 +97,7 @@ private:
 };
 
 inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
+    sweeps_.set_time_step(chunk.time_step);
     for (int i = 0; i < count_; ++i) pantographs_[i]->set_time_step(chunk.time_step);
     for (done = 0; done < chunk.steps; ++done) {
         const Outcome outcome = step(chunk, done);
@@ -293,7 +294,7 @@ inline void LineEngine::record_droppers(double* out) {
 }
 
 inline std::size_t LineEngine::state_size() const {
-    std::size_t size = 2 + 4 * sizeof(Row) / sizeof(double) * sweeps_.line.layout.rows;
+    std::size_t size = 3 + 4 * sizeof(Row) / sizeof(double) * sweeps_.line.layout.rows;
     for (int i = 0; i < count_; ++i) size += pantographs_[i]->state_size();
     return size;
 }
@@ -306,6 +307,7 @@ inline void LineEngine::save(double* out) const {
     }
     *out++ = s.to_velocity;
     *out++ = s.to_position;
+    *out++ = sweeps_.line.time_step();
     for (int i = 0; i < count_; ++i) out = pantographs_[i]->save(out);
 }
 
@@ -317,6 +319,7 @@ inline void LineEngine::restore(const double* in) {
     }
     s.to_velocity = *in++;
     s.to_position = *in++;
+    sweeps_.line.set_time_step(*in++);  // the loads that the known forces contain
     for (int i = 0; i < count_; ++i) in = pantographs_[i]->restore(in);
 }
 

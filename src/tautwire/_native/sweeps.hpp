@@ -55,6 +55,19 @@ public:
         end().to_position = scheme.beta * dt * dt;
     }
 
+    // Stiffen the wires for a time step; the known forces follow their loads.
+    void set_time_step(double dt) {
+        if (!line.depends_on(dt)) return;
+        Buffer<Row> before(line.load.size());
+        before.copy_from(line.load);
+        line.set_time_step(dt);
+        for (std::size_t row = 0; row < known.size(); ++row)
+            for (int i = 0; i < 12; ++i) {
+                Doubles& force = known[row][i / 6][i % 6];
+                force = line.load[row][i / 6][i % 6] + (force - before[row][i / 6][i % 6]);
+            }
+    }
+
     // Make the end of the step the start of the next.
     void accept() { now_ = 1 - now_; }
 

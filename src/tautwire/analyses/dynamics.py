@@ -16,7 +16,7 @@ from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.model.mesh import CONTACT, MESSENGER
 from tautwire.model.passage import Passage, plan_passage
-from tautwire.numerics.backend import backend_name, make_stepper
+from tautwire.numerics.backend import Choice, backend_name, make_stepper
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
 from tautwire.numerics.stepper import StepBlock, StepOptions, Stepper
 from tautwire.results.equilibrium import Equilibrium
@@ -105,7 +105,7 @@ class Choices:
     integrator: Integrator | None = None
     stepping: ConstantStep | None = None
     uplift_forces: tuple[float, ...] | None = None
-    backend: str | None = None
+    backend: Choice | None = None
 
 
 class Simulation:
@@ -159,9 +159,7 @@ class Simulation:
                 return
 
 
-def iterate(
-    model: Model, shape: Equilibrium, *, choices: Choices | None = None
-) -> Iterator[Block]:
+def iterate(model: Model, shape: Equilibrium, *, choices: Choices | None = None) -> Iterator[Block]:
     """Run a passage and yield its steps in blocks, for live views and early stops.
 
     Parameters
@@ -189,7 +187,7 @@ def simulate(
     integrator: Integrator | None = None,
     stepping: ConstantStep | None = None,
     uplift_forces: Sequence[float] | None = None,
-    backend: str | None = None,
+    backend: Choice | None = None,
     watch: Callable[[Progress], bool] | None = None,
 ) -> Run:
     """Simulate the passage of the case's pantographs.
@@ -266,9 +264,9 @@ def _collect(
         time=time,
         pantographs=_records(simulation, steps, time),
         support_uplift=(height - shape.support_heights).astype(np.float32),
-        dropper_force=_join(
-            [s.dropper_force for s in steps], (len(shape.dropper_x),)
-        ).astype(np.float32),
+        dropper_force=_join([s.dropper_force for s in steps], (len(shape.dropper_x),)).astype(
+            np.float32
+        ),
         snapshots=_snapshots(simulation, blocks),
         counters=_counters(simulation, time, spent),
         warnings=tuple(simulation.passage.warnings),
@@ -296,9 +294,7 @@ def _records(
         name: _join([getattr(s, name) for s in steps], (count,))
         for name in ("contact_force", "gap", "wire_height")
     }
-    stages = _join(
-        [s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),)
-    )
+    stages = _join([s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),))
     ends = np.cumsum([len(p.stages) for p in case.pantographs])
     target = case.scenario.target_mean_force()
     records = []
@@ -344,9 +340,7 @@ def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
     )
 
 
-def _counters(
-    simulation: Simulation, time: Array, spent: tuple[float, float]
-) -> dict[str, Any]:
+def _counters(simulation: Simulation, time: Array, spent: tuple[float, float]) -> dict[str, Any]:
     """Return the work done, with the keys of the ``cost`` part of the JSON output."""
     counters = simulation.stepper.counters
     simulated = float(time[-1]) if len(time) else 0.0

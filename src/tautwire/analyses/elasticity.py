@@ -21,9 +21,7 @@ Array = NDArray[np.float64]
 
 
 @single_threaded
-def elasticity(
-    model: Model, shape: Equilibrium, *, force: float | None = None
-) -> Elasticity:
+def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) -> Elasticity:
     """Compute the elasticity at supports, droppers and midway between them.
 
     Every point is a static solve of the nonlinear line (droppers go slack) with a vertical force

@@ -12,6 +12,7 @@ from tautwire.analyses.dynamics import Progress, simulate
 from tautwire.analyses.statistics import contact_statistics
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.model.build import Model
+from tautwire.numerics.backend import Choice
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import Run
 
@@ -30,7 +31,7 @@ def tune_mean_force(
     model: Model,
     shape: Equilibrium,
     *,
-    backend: str | None = None,
+    backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
 ) -> Run:
     """Repeat the passage until the mean force in the analysed section is the wanted one.

@@ -11,6 +11,7 @@ from tautwire.analyses.mean_force import tune_mean_force
 from tautwire.analyses.shape import find_shape
 from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import build
+from tautwire.numerics.backend import Choice
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
 
@@ -19,7 +20,7 @@ def run(
     case: Case | str | Path,
     *,
     overrides: Mapping[str, Any] | None = None,
-    backend: str | None = None,
+    backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
     **scenario: Any,
 ) -> Run:
@@ -57,7 +58,7 @@ def run(
 def run_case(
     case: Case,
     *,
-    backend: str | None = None,
+    backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
 ) -> Run:
     """Do the same for a case that is complete."""

@@ -105,9 +105,8 @@ def make_stepper(
         'native' was asked for and is not there.
     """
     core = _native(backend)
-    if core is not None:
-        if cable_order(system) is not None:
-            return NativeStepper(core, system, pantographs, options, observed)
+    if core is not None and cable_order(system) is not None:
+        return NativeStepper(core, system, pantographs, options, observed)
     stepper = ReferenceStepper(system, pantographs, options, observed)
     stepper.counters.notes["kernels"] = "reference (NumPy)"
     if core is not None:

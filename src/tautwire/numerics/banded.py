@@ -132,4 +132,3 @@ class BandedCholesky:
         if info:
             raise ValueError(f"banded solve refused its arguments (LAPACK info {info})")
         return solution
-

@@ -103,9 +103,7 @@ class _FormFinder:
         keep &= ~(problem.held | self.replaced)[self.pattern.cols]
         self.kept = np.flatnonzero(keep)
         self.cable_dofs = (6 * system.cable_nodes[:, :, None] + np.arange(6)).reshape(-1, 12).T
-        self.dropper_dofs = (
-            (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6).T
-        )
+        self.dropper_dofs = (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6).T
 
     def unpack(self, x: Array) -> System:
         """Return the system at coordinates and lengths ``x``."""
@@ -163,9 +161,7 @@ class _FormFinder:
 
     def cable_columns(self, system: System) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dL0 of the wire elements."""
-        column = ancf.length_derivative(
-            system.cable_coordinates(system.position), system.section
-        )
+        column = ancf.length_derivative(system.cable_coordinates(system.position), system.section)
         column[:, 2] -= ancf.weight_length_derivative(
             system.cable_length, system.cable_mass, self.problem.gravity
         )

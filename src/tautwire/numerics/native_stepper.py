@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.numerics.dispersion import WaveStiffening
 from tautwire.numerics.step_solver import Clock
 from tautwire.numerics.stepper import (
     PantographInput,
@@ -106,7 +107,7 @@ class NativeStepper:
         self._inputs = tuple(pantographs)
         self._observed = np.ascontiguousarray(observed, dtype=np.int64)
         self._clock = Clock()
-        self._core = core.Stepper(_line_arrays(system), _scheme(options))
+        self._core = core.Stepper(_line_arrays(system, options.stiffening), _scheme(options))
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -269,7 +270,7 @@ def _scheme(options: StepOptions) -> dict[str, float | bool]:
     }
 
 
-def _line_arrays(system: System) -> dict[str, Any]:
+def _line_arrays(system: System, stiffening: WaveStiffening | None) -> dict[str, Any]:
     """Return the arrays of the line in the order of the core."""
     order = cable_order(system)
     count = system.node_count // 2
@@ -293,6 +294,9 @@ def _line_arrays(system: System) -> dict[str, Any]:
         "spring_damping": system.spring_damping,
         "spring_free": system.spring_free,
     }
+    if stiffening is not None:
+        arrays["stiffening_bending"] = stiffening.bending[order]
+        arrays["stiffening_load"] = stiffening.load
     indices = {
         "dropper_station": system.dropper_nodes[:, 1] // 2,
         "arm_station": arm_stations,

@@ -93,9 +93,7 @@ def damped_newton(
         increments.append(size)
         if size <= settings.increment and _norm(r) <= settings.residual:
             return NewtonResult(Status.DONE, x, count + 1, _norm(r), tuple(increments))
-    return NewtonResult(
-        Status.NOT_CONVERGED, x, settings.iterations, _norm(r), tuple(increments)
-    )
+    return NewtonResult(Status.NOT_CONVERGED, x, settings.iterations, _norm(r), tuple(increments))
 
 
 def _norm(v: Array) -> float:

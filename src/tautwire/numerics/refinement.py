@@ -93,9 +93,8 @@ class AdaptiveStep:
 
 @dataclass(frozen=True, eq=False)
 class _Segment:
-    """A few samples: number and state before them, all gaps between them, state after them."""
+    """A few samples: the state before them, all gaps between them, state after them."""
 
-    first: int
     mark: object
     start: float
     steps: StepBlock
@@ -121,6 +120,7 @@ class _Refiner:
         self._ahead: list[_Segment] = []
         self._final: list[_Segment] = []
         self._settled = -inf
+        self._status = Status.RUNNING
         self._last = (np.empty(0), np.empty((0, 0)))
         self._notes = task.stepper.counters.notes
         self._notes |= {"windows": 0, "refined_s": 0.0, "unsettled_windows": 0}
@@ -135,12 +135,12 @@ class _Refiner:
                 trouble = None
             yield from self._released(trouble)
 
+    def _samples(self) -> int:
+        """Return the number of samples taken."""
+        return round(self._stepper.time / self._control.time_step)
+
     def _is_over(self) -> bool:
-        if not self._ahead:
-            return False
-        steps = self._ahead[-1].steps
-        done = self._ahead[-1].first + len(steps.time)
-        return done >= self._task.steps or steps.status is not Status.RUNNING
+        return self._samples() >= self._task.steps or self._status is not Status.RUNNING
 
     def _base_level(self) -> int:
         """Return how often the time step is halved in the next segment of the base pass."""
@@ -150,13 +150,13 @@ class _Refiner:
 
     def _take(self, level: int) -> _Segment:
         """Take the next samples with the time step halved ``level`` times."""
-        first = self._ahead[-1].first + len(self._ahead[-1].steps.time) if self._ahead else 0
-        samples, parts = min(self._length, self._task.steps - first), 2**level
+        samples, parts = min(self._length, self._task.steps - self._samples()), 2**level
         mark, start = self._stepper.mark(), self._stepper.time
         dense = self._stepper.advance(samples * parts, self._control.time_step / parts)
+        self._status = dense.status
         kept = dense.rows(parts - 1, len(dense.time), parts)
         end = self._stepper.coordinates.copy()
-        return _Segment(first, mark, start, kept, dense.time, dense.gap, end)
+        return _Segment(mark, start, kept, dense.time, dense.gap, end)
 
     def _trouble(self) -> _Trouble | None:
         """Find losses and near losses that the base pass has met and that are not yet refined."""
@@ -189,7 +189,7 @@ class _Refiner:
             self._retake(coarse, level)
             finer = _losses(self._ahead[index:])
             error, losses = _difference(losses, finer) / _ORDER_GAIN, finer
-            if self._ahead[-1].steps.status is not Status.RUNNING:
+            if self._status is not Status.RUNNING:
                 break
         self._settled = self._stepper.time - _SAME_TIME
         self._notes["windows"] += 1

@@ -116,8 +116,8 @@ class PantographInput:
     roof: RoofMotion | None = None
     surface: SurfaceProfile | None = None
 
-    def position(self, time: float) -> float:
-        """Longitudinal position [m]."""
+    def position(self, time: Any) -> Any:
+        """Longitudinal position at one instant or at several [m]."""
         return self.start_x + self.velocity * (time - self.start_time)
 
     def unevenness(self, time: float) -> float:

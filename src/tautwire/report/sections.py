@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,9 +46,8 @@ def chart(
 ) -> Chart:
     """Turn a figure into a block of the page."""
     content = str(figure.to_json())
-    return Chart(
-        name, script_safe(content), caption, summary, int(figure.layout.height or 400), buttons
-    )
+    layout: Any = figure.layout
+    return Chart(name, script_safe(content), caption, summary, int(layout.height or 400), buttons)
 
 
 def line_section(views: Sequence[RunView]) -> Section:

@@ -75,9 +75,8 @@ def fit_legend(figure: go.Figure, width: int = 880) -> go.Figure:
     if sum(widths) > width:
         per_row = max(1, int(width // max(widths)))
         extra = 19 * (-(-len(names) // per_row) - 1)
-        figure.update_layout(
-            margin={"t": figure.layout.margin.t + extra}, height=figure.layout.height + extra
-        )
+        layout: Any = figure.layout
+        figure.update_layout(margin={"t": layout.margin.t + extra}, height=layout.height + extra)
     return figure
 
 
