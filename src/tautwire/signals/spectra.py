@@ -96,7 +96,7 @@ def amplitude_spectrum(signal: ArrayLike, time_step: float, window: Window = "ha
     weight = _window(window, record.size)
     lines = np.fft.rfft((record - record.mean()) * weight)
     value = np.abs(lines) / weight.sum() * _sides(record.size)
-    return Spectrum(np.fft.rfftfreq(record.size, time_step), value, "Hz", window, 1)
+    return Spectrum(_frequencies(record.size, time_step), value, "Hz", window, 1)
 
 
 def power_spectral_density(
@@ -133,7 +133,12 @@ def power_spectral_density(
         lines = np.fft.rfft(centred[piece * hop : piece * hop + length] * weight)
         total += np.abs(lines) ** 2
     density = total / segments * time_step / np.sum(weight**2) * _sides(length)
-    return Spectrum(np.fft.rfftfreq(length, time_step), density, "Hz", window, segments)
+    return Spectrum(_frequencies(length, time_step), density, "Hz", window, segments)
+
+
+def _frequencies(size: int, time_step: float) -> Array:
+    """Return the frequencies of a real transform of ``size`` samples [Hz]."""
+    return np.arange(size // 2 + 1) / (size * time_step)
 
 
 def over_wavenumber(spectrum: Spectrum, speed: float, *, is_density: bool) -> Spectrum:
