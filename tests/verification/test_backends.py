@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tautwire.numerics import ancf, backend
 from tautwire.numerics.newmark import HHT, Newmark
-from tautwire.numerics.stepper import RoofMotion, StepBlock, StepOptions
+from tautwire.numerics.stepper import RoofMotion, StepBlock, StepOptions, SurfaceProfile
 from tautwire.status import Status
 
 from ..lines import ac_simple, entering, moved
@@ -152,3 +152,53 @@ def test_every_instruction_set(level: str) -> None:
     if "compiled core is not available" in answer.stderr:
         pytest.skip(f"this processor has no x86-64-{level}")
     assert answer.stdout.startswith("True"), answer.stderr
+
+
+@pytest.mark.parametrize("choice", ["native", "reference"])
+def test_rewound_integration_repeats_itself(choice: Any) -> None:
+    """After going back to a mark the same steps follow, to the last bit; so do halved steps twice."""
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    options = StepOptions(Newmark(), 1e-3, 2e5)
+    stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)
+    stepper.advance(20)
+    mark = stepper.mark()
+    first = stepper.advance(10)
+    stepper.rewind(mark)
+    again = stepper.advance(10)
+    np.testing.assert_array_equal(first.contact_force, again.contact_force)
+    np.testing.assert_array_equal(first.time, again.time)
+    stepper.rewind(mark)
+    halved = stepper.advance(20, 5e-4)
+    assert halved.time[-1] == pytest.approx(first.time[-1], rel=1e-12)
+
+
+def test_other_steps_and_uneven_wires() -> None:
+    """Both backends agree within 1e-5 N with changing steps on a wire with an uneven surface."""
+    x = np.linspace(0.0, 20.0, 401)
+    surface = SurfaceProfile(0.0, 0.05, 2e-4 * np.sin(2.0 * np.pi * x / 1.3))
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    uneven = tuple(moved(p, surface=surface) for p in pantographs)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=1e-12)
+    forces = []
+    for choice in ("native", "reference"):
+        stepper = backend.make_stepper(system, uneven, options, np.array([2]), choice)  # type: ignore[arg-type]
+        parts = [stepper.advance(30), stepper.advance(40, 2.5e-4), stepper.advance(20)]
+        forces.append(np.concatenate([p.contact_force for p in parts]))
+    smooth = backend.make_stepper(system, pantographs, options, np.array([2])).advance(30)
+    assert np.abs(forces[0][:30] - smooth.contact_force).max() > 1.0
+    np.testing.assert_allclose(forces[0], forces[1], rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("choice", ["native", "reference"])
+def test_stop_before_contact_changes(choice: Any) -> None:
+    """Asked to, the integration stops before the step in which contact begins or ends."""
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    options = StepOptions(Newmark(), 1e-3, 2e5)
+    whole = backend.make_stepper(system, pantographs, options, np.array([2]), choice).advance(100)
+    touching = whole.gap[:, 0] < 0.0
+    change = int(np.flatnonzero(touching[1:] != touching[:-1])[0]) + 1
+    stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)
+    stepper.advance(1)
+    block = stepper.advance(100, until_crossing=True)
+    assert 1 + len(block.time) == change
+    np.testing.assert_array_equal(block.contact_force, whole.contact_force[1:change])
