@@ -6,9 +6,6 @@
 
 namespace tautwire::TAUTWIRE_ISA {
 
-inline constexpr double kMass[4][4] = {
-    {156, 22, 54, -13}, {22, 4, 13, -3}, {54, 13, 156, -22}, {-13, -3, -22, 4}};
-
 // Coordinates (r1, r1', r2, r2') of the elements behind `row` of one wire.
 inline void element_nodes(const Line& line, const Buffer<Row>& state, int row, int wire,
                           Doubles (&left)[6], Doubles (&right)[6]) {
@@ -103,13 +100,23 @@ private:
         return factors.mass + factors.damping * line_.damping_mass;
     }
 
+    // Add the consistent mass to the rows and columns of (r1, r1', r2, r2').
     static void add_mass(const Element& element, double factor, Doubles (&k)[12][12]) {
-        const Doubles one = broadcast<Doubles>(1.0);
-        const Doubles scale[4] = {one, element.length, one, element.length};
-        for (int m = 0; m < 4; ++m)
-            for (int n = 0; n < 4; ++n)
-                for (int i = 0; i < 3; ++i)
-                    k[3 * m + i][3 * n + i] += factor * kMass[m][n] * element.mass * scale[m] * scale[n];
+        const Inertia<Doubles>& m = element.inertia;
+        const Doubles nodes[2] = {m.even + m.odd, m.even - m.odd};  // same end, other end
+        const Doubles cross[2] = {m.even_cross + m.odd_cross, m.even_cross - m.odd_cross};
+        const Doubles slopes[2] = {m.odd_slope + m.even_slope, m.odd_slope - m.even_slope};
+        for (int end = 0; end < 2; ++end)
+            for (int other = 0; other < 2; ++other)
+                for (int i = 0; i < 3; ++i) {
+                    const int r = 6 * end + i, r2 = 6 * other + i, apart = end != other;
+                    // A slope at the left end pushes both nodes forward, at the right end back.
+                    const double sign = other == 0 ? 1.0 : -1.0;
+                    k[r][r2] += factor * nodes[apart];
+                    k[r + 3][r2 + 3] += factor * slopes[apart];
+                    k[r][r2 + 3] += factor * sign * cross[apart];
+                    k[r2 + 3][r] += factor * sign * cross[apart];
+                }
     }
 
     // Add k t t' + N/l (1 - t t') for a bar along `w`, the vector between its ends.

@@ -60,15 +60,18 @@ public:
 
     bool factor(const Buffer<StationBlocks>& blocks);
 
-    // Forward sweep: call for row 0, 1, ..., then finish_elimination.
+    // Forward sweep: begin_elimination, call for every row of the range, then finish_elimination. In
+    // a part of the line the right-hand side outside is zero, and so is the solution.
+    void begin_elimination(RowRange range) { range_ = range; }
     TAUTWIRE_INLINE void eliminate(int row, V (&rhs)[B]) {
         V* y = &y_[row * B];
-        if (row > 0) subtract_lower(row, &y_[(row - 1) * B], rhs);
+        if (row > range_.first) subtract_lower(row, &y_[(row - 1) * B], rhs);
         for (int i = 0; i < B; ++i) y[i] = rhs[i];
     }
 
     // Bring in what the left neighbours' last stations contribute.
     void finish_elimination() {
+        if (!is_whole()) return;
         V carry[B];
         for (int i = 0; i < B; ++i) carry[i] = y_[(layout_.rows - 1) * B + i];
         for (int step = 0; step < forward_reach_; ++step) {
@@ -85,9 +88,10 @@ public:
         }
     }
 
-    // Backward sweep: begin_substitution, then call for the last row, ..., row 0.
+    // Backward sweep: begin_substitution, then call for the last row to the first.
     void begin_substitution() {
         for (V& value : x_) value = broadcast<V>(0.0);
+        if (!is_whole()) return;
         for (int step = backward_reach_ - 1; step >= 0; --step) {
             const int row = step % layout_.rows;
             substitute(row);
@@ -115,38 +119,42 @@ public:
 
     V respond(const RowColumn<V, B>& column) const {
         V sum = broadcast<V>(0.0);
-        for (int n = 0; n < column.count; ++n)
+        for (int n = 0; n < count_in_range(column); ++n)
             for (int i = 0; i < B; ++i) sum += column.z[n][i] * y_[(column.first + n) * B + i];
         return sum;
     }
     void add(const RowColumn<V, B>& column, V factor) {
-        for (int n = 0; n < column.count; ++n)
+        for (int n = 0; n < count_in_range(column); ++n)
             for (int i = 0; i < B; ++i) y_[(column.first + n) * B + i] += factor * column.w[n][i];
     }
 
     // Return (rhs of the column)' A^-1 (present right-hand side).
     double respond(const PointColumn<B>& column) const {
         double sum = 0.0;
-        for (int n = 0; n < column.count; ++n)
-            for (int i = 0; i < B; ++i)
-                sum += column.z[n][i] * y_[layout_.row(column.first + n) * B + i][lane(column, n)];
+        for (int n = 0; n < column.count; ++n) {
+            const int row = layout_.row(column.first + n);
+            if (!range_.contains(row)) break;
+            for (int i = 0; i < B; ++i) sum += column.z[n][i] * y_[row * B + i][lane(column, n)];
+        }
         return sum;
     }
 
     // Add a multiple of the column to the eliminated right-hand side.
     void add(const PointColumn<B>& column, double factor) {
-        for (int n = 0; n < column.count; ++n)
-            for (int i = 0; i < B; ++i)
-                y_[layout_.row(column.first + n) * B + i][lane(column, n)] += factor * column.w[n][i];
+        for (int n = 0; n < column.count; ++n) {
+            const int row = layout_.row(column.first + n);
+            if (!range_.contains(row)) break;
+            for (int i = 0; i < B; ++i) y_[row * B + i][lane(column, n)] += factor * column.w[n][i];
+        }
     }
 
 private:
     static constexpr int kTriangle = B * (B + 1) / 2;
     static constexpr int kGroups = B == 6 ? 2 : 1;
     // A carried value is dropped when it has faded by this factor.
-    static constexpr double kFaded = B == 6 ? 1e-5 : 1e-10;
+    static constexpr double kFaded = B == 6 ? 1e-3 : 1e-10;
     // The same for the columns of contacts and droppers, which decay from about 1.
-    static constexpr double kWindowFaded = 1e-3;
+    static constexpr double kWindowFaded = 1e-2;
 
     TAUTWIRE_INLINE void subtract_lower(int row, const V* left, V* rhs) const {
         const V* lower = &lower_[row * B * B];
@@ -173,6 +181,14 @@ private:
         }
     }
 
+    bool is_whole() const { return range_.first == 0 && range_.last == layout_.rows - 1; }
+
+    // Number of rows of a column, whose first row is in the range, that are in it.
+    int count_in_range(const RowColumn<V, B>& column) const {
+        const int left = range_.last + 1 - column.first;
+        return column.count < left ? column.count : left;
+    }
+
     int lane(const PointColumn<B>& column, int n) const {
         return layout_.lane(column.first + n) + (kGroups == 2 ? kLanes * column.wire : 0);
     }
@@ -185,6 +201,7 @@ private:
     Buffer<V> inverse_;  // [row][upper triangle]
     Buffer<V> y_;        // [row][i]
     V x_[B];
+    RowRange range_{0, -1};
     int forward_reach_ = 0, backward_reach_ = 0;
 };
 

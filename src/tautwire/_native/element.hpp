@@ -20,13 +20,36 @@ namespace tautwire::TAUTWIRE_ISA {
 inline constexpr double kPoint[3] = {0.0, 0.53846931010568309, 0.90617984593866399};
 inline constexpr double kWeight[3] = {0.28444444444444444, 0.23931433524968324, 0.11846344252809454};
 
+// Stiffness times the quadrature weights of the middle and of both pairs.
 template <class V>
 struct Stiffness {
-    V axial;    // EA
-    V bending;  // 4 EI / L^2
+    V half_axial[3];  // EA / 2
+    V bending[3];     // 4 EI / L^2
 
-    TAUTWIRE_INLINE Stiffness weighted(int point) const {
-        return {kWeight[point] * axial, kWeight[point] * bending};
+    static Stiffness of(V axial, V quadruple_bending_per_square) {
+        Stiffness out;
+        for (int point = 0; point < 3; ++point) out.half_axial[point] = 0.5 * kWeight[point] * axial;
+        out.set_bending(quadruple_bending_per_square);
+        return out;
+    }
+    void set_bending(V quadruple_bending_per_square) {
+        for (int point = 0; point < 3; ++point)
+            bending[point] = kWeight[point] * quadruple_bending_per_square;
+    }
+};
+
+// Consistent mass of an element of mass m and length L, for parts of the motion that are even and
+// odd under exchange of the ends: sums and differences of s1 and s2 (nodes) and s1' and s2' (slopes).
+template <class V>
+struct Inertia {
+    V even, odd;             // force from sum and difference of nodes: m/4, 17 m/140
+    V even_cross, odd_cross;  // force from slopes, moment from nodes: m L/24, 3 m L/280
+    V even_slope, odd_slope;  // moment from slopes: m L^2/120, m L^2/840
+
+    static Inertia of(V m, V length) {
+        return {(1.0 / 4.0) * m,           (17.0 / 140.0) * m,
+                (1.0 / 24.0) * m * length, (3.0 / 280.0) * m * length,
+                (1.0 / 120.0) * m * length * length, (1.0 / 840.0) * m * length * length};
     }
 };
 
@@ -61,14 +84,14 @@ struct Gradient {
     V A, B, C;
 };
 
-// A, B and C at a point; `weighted` contains the quadrature weight.
+// A, B and C at a point, with the quadrature weight of `point`; H2 is 2 H.
 template <class V>
-TAUTWIRE_INLINE Gradient<V> energy_gradient(V P, V H, V Q, Stiffness<V> weighted) {
-    const V inverse = 1.0 / P;
-    const V C = weighted.bending * inverse * inverse;
-    const V B = -Q * inverse * C;
-    const V A = 0.5 * weighted.axial * (P - 1.0) - inverse * (2.0 * H * C + 3.0 * Q * B);
-    return {A, B, C};
+TAUTWIRE_INLINE Gradient<V> energy_gradient(
+    V P, V H2, V Q, const Stiffness<V>& stiffness, int point) {
+    const V inverse = 1.0 / P, R = Q * inverse;
+    const V C = stiffness.bending[point] * (inverse * inverse);
+    const V axial = stiffness.half_axial[point] * P - stiffness.half_axial[point];
+    return {axial - (C * inverse) * (H2 - 3.0 * (Q * R)), -R * C, C};
 }
 
 // Forces of the elastic energy per length on the coefficients of the parabola.
@@ -76,24 +99,23 @@ TAUTWIRE_INLINE Gradient<V> energy_gradient(V P, V H, V Q, Stiffness<V> weighted
 // They are combinations of the coefficients themselves, with factors M summed over the points, and
 // P, H and Q are polynomials. Points at t and -t share even and odd parts of everything.
 template <class V>
-TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, Stiffness<V> stiffness) {
+TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, const Stiffness<V>& stiffness) {
     const V P0 = dot(e.c[0], e.c[0]), P1 = 2.0 * dot(e.c[0], e.c[1]);
     const V H0 = dot(e.c[1], e.c[1]), P2 = H0 + 2.0 * dot(e.c[0], e.c[2]);
     const V P3 = 2.0 * dot(e.c[1], e.c[2]), P4 = dot(e.c[2], e.c[2]);
-    const Gradient<V> middle = energy_gradient(P0, H0, 0.5 * P1, stiffness.weighted(0));
+    const Gradient<V> middle = energy_gradient(P0, H0 + H0, 0.5 * P1, stiffness, 0);
     V M00 = middle.A, M01 = middle.B, C0 = middle.C;
     V M02 = broadcast<V>(0.0), M12 = M02, M22 = M02;
     TAUTWIRE_UNROLL
     for (int pair = 1; pair < 3; ++pair) {
         const double t = kPoint[pair], t2 = t * t;
         const V P_even = P0 + t2 * (P2 + t2 * P4), P_odd = t * (P1 + t2 * P3);
-        const V H_even = H0 + (4.0 * t2) * P4, H_odd = (2.0 * t) * P3;
+        const V H2_even = 2.0 * H0 + (8.0 * t2) * P4, H2_odd = (4.0 * t) * P3;
         const V Q_even = 0.5 * P1 + (1.5 * t2) * P3, Q_odd = t * (P2 + (2.0 * t2) * P4);
-        const Stiffness<V> weighted = stiffness.weighted(pair);
         const Gradient<V> right =
-            energy_gradient(P_even + P_odd, H_even + H_odd, Q_even + Q_odd, weighted);
+            energy_gradient(P_even + P_odd, H2_even + H2_odd, Q_even + Q_odd, stiffness, pair);
         const Gradient<V> left =
-            energy_gradient(P_even - P_odd, H_even - H_odd, Q_even - Q_odd, weighted);
+            energy_gradient(P_even - P_odd, H2_even - H2_odd, Q_even - Q_odd, stiffness, pair);
         const Gradient<V> even = {right.A + left.A, right.B + left.B, right.C + left.C};
         const Gradient<V> odd = {right.A - left.A, right.B - left.B, right.C - left.C};
         M00 += even.A;
@@ -127,18 +149,18 @@ struct Hessian {
 
 // Second derivatives of the energy density with respect to p and h.
 template <class V>
-TAUTWIRE_INLINE Hessian<V> energy_hessian(const V (&p)[3], const V (&h)[3], Stiffness<V> weighted) {
+TAUTWIRE_INLINE Hessian<V> energy_hessian(const V (&p)[3], const V (&h)[3], V half_axial, V bending) {
     const V P = dot(p, p), H = dot(h, h), Q = dot(p, h);
-    const V i1 = 1.0 / P, i2 = i1 * i1, k = weighted.bending * i2;
+    const V i1 = 1.0 / P, i2 = i1 * i1, k = bending * i2;
     const V k_P = k * i1 * (3.0 * Q * Q * i1 - 2.0 * H);
     const V k_PP = 6.0 * k * i2 * (H - 2.0 * Q * Q * i1);
     const V k_PQ = 6.0 * k * Q * i2, k_PH = -2.0 * k * i1, k_QQ = -2.0 * k * i1;
     const V k_Q = -2.0 * k * Q * i1;
-    const V round = 0.5 * weighted.axial * (P - 1.0) + k_P;
+    const V round = half_axial * (P - 1.0) + k_P;
     Hessian<V> out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            out.pp[i][j] = (weighted.axial + 2.0 * k_PP) * p[i] * p[j] +
+            out.pp[i][j] = 2.0 * (half_axial + k_PP) * p[i] * p[j] +
                            k_PQ * (p[i] * h[j] + h[i] * p[j]) + 0.5 * k_QQ * h[i] * h[j];
             out.ph[i][j] = 2.0 * k_PH * p[i] * h[j] + k_PQ * p[i] * p[j] + 0.5 * k_QQ * h[i] * p[j];
             out.hh[i][j] = 0.5 * k_QQ * p[i] * p[j];
@@ -152,7 +174,7 @@ TAUTWIRE_INLINE Hessian<V> energy_hessian(const V (&p)[3], const V (&h)[3], Stif
 
 // Tangent stiffness per length, packed.
 template <class V>
-void elastic_tangent(const Parabola<V>& e, Stiffness<V> stiffness, V (&out)[kPacked]) {
+void elastic_tangent(const Parabola<V>& e, const Stiffness<V>& stiffness, V (&out)[kPacked]) {
     for (V& entry : out) entry = broadcast<V>(0.0);
     for (int point = -2; point <= 2; ++point) {
         const int pair = point < 0 ? -point : point;
@@ -163,7 +185,8 @@ void elastic_tangent(const Parabola<V>& e, Stiffness<V> stiffness, V (&out)[kPac
             p[i] = e.c[0][i] + t * (e.c[1][i] + t * e.c[2][i]);
             h[i] = e.c[1][i] + 2.0 * t * e.c[2][i];
         }
-        const Hessian<V> second = energy_hessian(p, h, stiffness.weighted(pair));
+        const Hessian<V> second =
+            energy_hessian(p, h, stiffness.half_axial[pair], stiffness.bending[pair]);
         for (int row = 0; row < 9; ++row)
             for (int column = row; column < 9; ++column) {
                 const int m = row / 3, i = row % 3, n = column / 3, j = column % 3;

@@ -63,7 +63,15 @@ enum class Outcome { running, not_converged, singular, not_finite, off_the_line,
 
 struct Counters {
     std::int64_t steps, iterations, refactorisations, full_newton_steps;
+    std::int64_t local_iterations;  // around the contacts alone
 };
+
+// Wall time spent in the parts of the work so far [s].
+struct Timings {
+    double elimination, contacts, substitution, records, total;
+};
+
+double seconds();  // a clock; defined in processor.cpp
 
 class Engine {
 public:
@@ -81,6 +89,7 @@ public:
     virtual void save(double* out) const = 0;
     virtual void restore(const double* in) = 0;
     virtual Counters counters() const = 0;
+    virtual Timings timings() const = 0;
 };
 
 // The kernels of one instruction set.

@@ -50,21 +50,24 @@ TAUTWIRE_INLINE void damping_forces(
 TAUTWIRE_INLINE Ends wire_forces(const Element& element, const Parabola<Doubles>& f,
                                  const Doubles* s_left, const Doubles* s_right) {
     Ends out;
-    const Doubles length = element.length, m = element.mass;
+    const Inertia<Doubles>& m = element.inertia;
+    const Doubles half = 0.5 * element.length, quarter = 0.25 * element.length;
     TAUTWIRE_UNROLL
     for (int i = 0; i < 3; ++i) {
         const Doubles sum = s_left[i] + s_right[i], difference = s_left[i] - s_right[i];
-        const Doubles slope_sum = length * (s_left[3 + i] + s_right[3 + i]);
-        const Doubles slope_difference = length * (s_left[3 + i] - s_right[3 + i]);
-        const Doubles even = m * (105.0 * sum + 17.5 * slope_difference);
-        const Doubles odd = m * (51.0 * difference + 4.5 * slope_sum) - 1.5 * (f.c[0][i] - f.c[2][i]);
+        const Doubles slope_sum = s_left[3 + i] + s_right[3 + i];
+        const Doubles slope_difference = s_left[3 + i] - s_right[3 + i];
+        const Doubles stretch = f.c[0][i] - f.c[2][i];
+        const Doubles even = m.even * sum + m.even_cross * slope_difference;
+        const Doubles odd = m.odd * difference + m.odd_cross * slope_sum - 1.5 * stretch;
         out.left[i] = -(odd + even);
         out.right[i] = odd - even;
-        const Doubles mean =
-            m * (4.5 * difference + 0.5 * slope_sum) - 0.25 * f.c[0][i] + 0.75 * f.c[2][i];
-        const Doubles skew = m * (17.5 * sum + 3.5 * slope_difference) - 0.5 * f.c[1][i];
-        out.left[3 + i] = -length * (mean + skew);
-        out.right[3 + i] = length * (skew - mean);
+        const Doubles mean = m.odd_cross * difference + m.odd_slope * slope_sum + half * f.c[2][i] -
+                             quarter * stretch;
+        const Doubles skew =
+            m.even_cross * sum + m.even_slope * slope_difference - half * f.c[1][i];
+        out.left[3 + i] = -(mean + skew);
+        out.right[3 + i] = skew - mean;
     }
     return out;
 }

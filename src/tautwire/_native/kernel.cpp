@@ -23,10 +23,8 @@ struct Cables {
             left[k] = lanes_of(e + k * n, first);
             right[k] = lanes_of(e + (6 + k) * n, first);
         }
-        const Doubles l = lanes_of(length, first), inverse = 1.0 / l;
-        const Stiffness<Doubles> stiffness = {lanes_of(axial, first),
-                                              4.0 * lanes_of(bending, first) * inverse * inverse};
-        return {l, inverse, stiffness, broadcast<Doubles>(0.0)};
+        return Element::of(lanes_of(length, first), lanes_of(axial, first),
+                           lanes_of(bending, first), broadcast<Doubles>(0.0));
     }
 
 private:

@@ -7,12 +7,19 @@
 
 namespace tautwire::TAUTWIRE_ISA {
 
+struct RowRange {
+    int first, last;  // both included
+
+    bool contains(int row) const { return first <= row && row <= last; }
+};
+
 struct Layout {
     int stations = 0;
     int rows = 0;
 
     int row(int station) const { return station % rows; }
     int lane(int station) const { return station / rows; }
+    RowRange whole() const { return {0, rows - 1}; }
 
     // Choose segments, up to a twentieth longer than needed, in which the stations with droppers
     // and supports fall into as few rows as possible.

@@ -13,7 +13,12 @@ namespace tautwire::TAUTWIRE_ISA {
 struct Element {
     Doubles length, inverse_length;
     Stiffness<Doubles> stiffness;
-    Doubles mass;  // m L / 420
+    Inertia<Doubles> inertia;
+
+    static Element of(Doubles length, Doubles axial, Doubles bending, Doubles mass) {
+        return {length, 1.0 / length, Stiffness<Doubles>::of(axial, 4.0 * bending / (length * length)),
+                Inertia<Doubles>::of(mass * length, length)};
+    }
 };
 
 // Droppers of a row; stiffness 0 where there is none.
@@ -94,7 +99,6 @@ inline Line::Line(const LineData& data, double weight_)
 inline void Line::set_stiffening(const LineData& data) {
     bending_ = Buffer<Parts>(element.size());
     load_ = Buffer<Parts>(12 * load.size());
-    for (std::size_t k = 0; k < element.size(); ++k) bending_[k].constant = element[k].stiffness.bending;
     for (std::size_t k = 0; k < load_.size(); ++k) load_[k].constant = load[k / 12][k % 12 / 6][k % 6];
     const int count = data.stations - 1;
     for (int s = 0; s < data.stations; ++s) {
@@ -103,9 +107,10 @@ inline void Line::set_stiffening(const LineData& data) {
             load_[12 * row + i].per_square[lane] = weight * data.stiffening_load[12 * s + i];
         if (s == count) continue;
         for (int wire = 0; wire < 2; ++wire) {
-            const double length = data.length[wire * count + s];
-            bending_[2 * row + wire].per_square[lane] =
-                4.0 * weight * data.stiffening_bending[wire * count + s] / (length * length);
+            const int i = wire * count + s;
+            const double factor = 4.0 * weight / (data.length[i] * data.length[i]);
+            bending_[2 * row + wire].constant[lane] = factor * data.bending_stiffness[i];
+            bending_[2 * row + wire].per_square[lane] = factor * data.stiffening_bending[i];
         }
     }
 }
@@ -114,25 +119,26 @@ inline void Line::set_time_step(double dt) {
     if (!depends_on(dt)) return;
     time_step_ = dt;
     for (std::size_t k = 0; k < element.size(); ++k)
-        element[k].stiffness.bending = bending_[k].constant + dt * dt * bending_[k].per_square;
+        element[k].stiffness.set_bending(bending_[k].constant + dt * dt * bending_[k].per_square);
     for (std::size_t k = 0; k < load_.size(); ++k)
         load[k / 12][k % 12 / 6][k % 6] = load_[k].constant + dt * dt * load_[k].per_square;
 }
 
 inline void Line::set_elements(const LineData& data) {
     const int count = data.stations - 1;
-    for (int wire = 0; wire < 2; ++wire)
-        for (int s = 0; s < layout.rows * kLanes; ++s) {
-            Element& e = element[2 * layout.row(s) + wire];
-            const int lane = layout.lane(s), i = wire * count + s;
-            const bool exists = s < count;  // the rest is padding without mass and stiffness
-            const double length = exists ? data.length[i] : 1.0;
-            e.length[lane] = length;
-            e.inverse_length[lane] = 1.0 / length;
-            e.stiffness.axial[lane] = exists ? weight * data.axial_stiffness[i] : 0.0;
-            e.stiffness.bending[lane] =
-                exists ? 4.0 * weight * data.bending_stiffness[i] / (length * length) : 0.0;
-            e.mass[lane] = exists ? data.mass[i] * length / 420.0 : 0.0;
+    for (int row = 0; row < layout.rows; ++row)
+        for (int wire = 0; wire < 2; ++wire) {
+            Doubles length = broadcast<Doubles>(1.0), axial = broadcast<Doubles>(0.0);
+            Doubles bending = axial, mass = axial;  // the rest is padding without mass and stiffness
+            for (int lane = 0; lane < kLanes; ++lane) {
+                const int s = lane * layout.rows + row, i = wire * count + s;
+                if (s >= count) continue;
+                length[lane] = data.length[i];
+                axial[lane] = weight * data.axial_stiffness[i];
+                bending[lane] = weight * data.bending_stiffness[i];
+                mass[lane] = data.mass[i];
+            }
+            element[2 * row + wire] = Element::of(length, axial, bending, mass);
         }
 }
 

@@ -67,12 +67,18 @@ public:
     void velocities(const Out<double>& out) const {
         engine_->velocities(checked(out, 12 * stations_, "out"));
     }
+    std::tuple<double, double, double, double, double> timings() const {
+        const Timings t = engine_->timings();
+        return {t.elimination, t.contacts, t.substitution, t.records, t.total};
+    }
     std::size_t state_size() const { return engine_->state_size(); }
     void save(const Out<double>& out) const { engine_->save(checked(out, state_size(), "out")); }
     void restore(const In<double>& in) { engine_->restore(checked(in, state_size(), "state")); }
-    std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters() const {
+    std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters()
+        const {
         const Counters c = engine_->counters();
-        return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps};
+        return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps,
+                c.local_iterations};
     }
 
 private:
@@ -210,6 +216,7 @@ NB_MODULE(_core, m) {
         .def("state_size", &Stepper::state_size)
         .def("save", &Stepper::save, nb::arg("out"))
         .def("restore", &Stepper::restore, nb::arg("state"))
+        .def("timings", &Stepper::timings)
         .def("counters", &Stepper::counters);
 }
 

@@ -79,12 +79,18 @@ public:
         chain_.eliminate(row, x);
     }
 
+    void begin_elimination(RowRange range) {
+        range_ = range;
+        chain_.begin_elimination(range);
+    }
+
     // Complete the forward elimination; `taut` says which droppers hold the wires together.
     void finish_elimination([[maybe_unused]] const Buffer<Doubles>& taut) {
         chain_.finish_elimination();
         if constexpr (kHasHangers) {
             for (std::size_t n = 0; n < hangers_.size(); ++n) {
                 const HangerColumn& hanger = hangers_[n];
+                if (!range_.contains(hanger.column.first)) continue;
                 const V own = chain_.respond(hanger.column);
                 const V both = own + other_wire(own);
                 chain_.add(hanger.column, -hanger.share * join(taut[n], taut[n]) * both);
@@ -92,9 +98,9 @@ public:
         }
     }
 
-    // Solve for a row, from the last to the first; `largest` and `total` collect |x| of translations
-    // lane by lane, the latter to find values that are not finite.
-    TAUTWIRE_INLINE void substitute(int row, Doubles (&out)[2][6], V& largest, V& total) {
+    // Solve for a row, from the last to the first; `size` is the largest |x| of translations lane by
+    // lane, and `total` collects them to find values that are not finite.
+    TAUTWIRE_INLINE void substitute(int row, Doubles (&out)[2][6], V& size, V& total) {
         V x[B];
         const auto& local = chain_.substitute(row);
         for (int i = 0; i < B; ++i) x[i] = local[i];
@@ -105,9 +111,9 @@ public:
             rotate(turn.w[g], turn.scale[g], x + 6 * g);
             rotate(turn.w[g], turn.scale[g], x + 6 * g + 3);
             for (int i = 0; i < 3; ++i) {
-                const V size = absolute(x[6 * g + i]);
-                largest = maximum(largest, size);
-                total += size;
+                const V part = absolute(x[6 * g + i]);
+                size = g + i == 0 ? part : maximum(size, part);
+                total += part;
             }
         }
         for (int i = 0; i < 12; ++i) {
@@ -174,6 +180,7 @@ private:
     }
 
     Layout layout_;
+    RowRange range_{0, -1};
     BlockChain<V, B> chain_;
     Buffer<Tangent> tangent_;
     Buffer<Rotation> rotation_;

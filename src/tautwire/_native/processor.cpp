@@ -1,5 +1,6 @@
 #include "processor.hpp"
 
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -52,6 +53,11 @@ bool runs(const char* name) {
 }
 
 }  // namespace
+
+double seconds() {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration<double>(now).count();
+}
 
 const Backend* choose_backend(const char* wanted) {
     for (const Backend* backend : kBackends)

@@ -62,14 +62,17 @@ public:
     void save(double* out) const override;
     void restore(const double* in) override;
     Counters counters() const override { return counters_; }
+    Timings timings() const override { return timings_; }
 
 private:
     Outcome step(const Chunk& chunk, int index);
     void enter(const Chunk& chunk, int index);
     bool touch_all();
     Outcome finish(const Chunk& chunk);
+    void set_regions();
     template <class S>
-    double iterate(S& solver, bool fresh);
+    Increment iterate(S& solver, RowRange range, bool fresh);
+    bool settle_contacts();
     bool renew(bool full_newton);
     void carry_over();
     void record(const Chunk& chunk, int index);
@@ -91,20 +94,27 @@ private:
     Pantograph* pantographs_[kMostPantographs] = {};
     int count_ = 0, stages_ = 0;
     TouchList touches_;
+    Region regions_[kMostPantographs];  // around the touched points
     bool first_ = false;  // the next sweeps are the first of their step
     Counters counters_ = {};
+    Timings timings_ = {};
     Buffer<Doubles> hanger_force_;
 };
 
 inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
     sweeps_.set_time_step(chunk.time_step);
     for (int i = 0; i < count_; ++i) pantographs_[i]->set_time_step(chunk.time_step);
+    Outcome outcome = Outcome::running;
+    const double begin = seconds();
     for (done = 0; done < chunk.steps; ++done) {
-        const Outcome outcome = step(chunk, done);
-        if (outcome != Outcome::running) return outcome;
+        outcome = step(chunk, done);
+        if (outcome != Outcome::running) break;
+        const double before = seconds();
         record(chunk, done);
+        timings_.records += seconds() - before;
     }
-    return Outcome::running;
+    timings_.total += seconds() - begin;
+    return outcome;
 }
 
 inline Outcome LineEngine::step(const Chunk& chunk, int index) {
@@ -117,20 +127,22 @@ inline Outcome LineEngine::step(const Chunk& chunk, int index) {
     } else if (!factors_.select(chunk.time_step)) {
         return Outcome::singular;
     }
+    const RowRange whole = sweeps_.line.layout.whole();
     for (int n = 0; n < scheme_.iterations; ++n) {
         if (!touch_all()) return Outcome::off_the_line;
         const bool fresh = n == 0 || watch.wants_factor;
         if (watch.wants_factor && !renew(watch.full_newton)) return Outcome::singular;
-        const double increment =
-            sweeps_.end().to_position *
-            (watch.full_newton ? iterate(factors_.coupled(), fresh) : iterate(factors_.apart(), fresh));
+        const Increment increment = watch.full_newton ? iterate(factors_.coupled(), whole, fresh)
+                                                      : iterate(factors_.apart(), whole, fresh);
         ++counters_.iterations;
-        if (std::isnan(increment)) return Outcome::not_finite;
-        if (increment <= scheme_.tolerance && watch.count > 0) {
+        if (std::isnan(increment.all)) return Outcome::not_finite;
+        if (watch.count > 0 && (increment.all <= scheme_.tolerance ||
+                                (increment.outside <= scheme_.tolerance && !watch.full_newton &&
+                                 settle_contacts()))) {
             counters_.full_newton_steps += watch.full_newton;
             return finish(chunk);
         }
-        watch.observe(increment);
+        watch.observe(increment.all);
     }
     return Outcome::not_converged;
 }
@@ -161,20 +173,59 @@ inline bool LineEngine::touch_all() {
     return true;
 }
 
-template <class S>
-double LineEngine::iterate(S& solver, bool fresh) {
-    touches_.push(sweeps_, weight_);
-    if (first_) {
-        sweeps_.eliminate<true>(solver.matrix);
-    } else {
-        sweeps_.eliminate<false>(solver.matrix);
+// Enclose the touched points: there, where the wire bends most, the iteration converges slowest.
+inline void LineEngine::set_regions() {
+    constexpr int kReach = 12;
+    const Layout& layout = sweeps_.line.layout;
+    for (int n = 0; n < touches_.count; ++n) {
+        const int row = layout.row(touches_[n].element), last = row + 1 + kReach;
+        regions_[n] = {{row < kReach ? 0 : row - kReach, last < layout.rows ? last : layout.rows - 1},
+                       layout.lane(touches_[n].element)};
     }
-    touches_.release(sweeps_);
-    if (fresh) solver.contacts.set(solver.matrix, touches_);
-    solver.contacts.correct(solver.matrix, touches_, weight_ * sweeps_.end().to_position);
+}
+
+// Iterate once in a range of rows; return the largest increments of a coordinate.
+template <class S>
+Increment LineEngine::iterate(S& solver, RowRange range, bool fresh) {
+    const double begin = seconds();
     const bool first = first_;
     first_ = false;
-    return first ? sweeps_.substitute<true>(solver.matrix) : sweeps_.substitute<false>(solver.matrix);
+    touches_.push(sweeps_, weight_);
+    if (first) {
+        sweeps_.eliminate<true>(solver.matrix, range);
+    } else {
+        sweeps_.eliminate<false>(solver.matrix, range);
+    }
+    touches_.release(sweeps_);
+    const double eliminated = seconds();
+    if (fresh) solver.contacts.set(solver.matrix, touches_);
+    solver.contacts.correct(solver.matrix, touches_, weight_ * sweeps_.end().to_position);
+    set_regions();
+    const double corrected = seconds();
+    const Increment increment =
+        first ? sweeps_.substitute<true>(solver.matrix, range, regions_, touches_.count)
+              : sweeps_.substitute<false>(solver.matrix, range, regions_, touches_.count);
+    timings_.elimination += eliminated - begin;
+    timings_.contacts += corrected - eliminated;
+    timings_.substitution += seconds() - corrected;
+    const double scale = sweeps_.end().to_position;
+    return {scale * increment.all, scale * increment.outside};
+}
+
+// Iterate around the contacts alone, when the rest has converged; true when they have, too.
+inline bool LineEngine::settle_contacts() {
+    constexpr int kMost = 3;
+    for (int n = 0; n < kMost; ++n) {
+        double largest = 0.0;
+        ++counters_.local_iterations;
+        for (int k = 0; k < touches_.count; ++k) {
+            if (!touch_all()) return false;
+            const Increment increment = iterate(factors_.apart(), regions_[k].rows, false);
+            if (!(increment.all <= largest)) largest = increment.all;
+        }
+        if (largest <= scheme_.tolerance) return true;
+    }
+    return false;
 }
 
 // Factor the matrix at the present iterate.
@@ -237,6 +288,7 @@ inline void LineEngine::carry_over() {
 inline bool LineEngine::start_from(const double* q, const double* v) {
     constexpr int kRefinements = 3;
     WireState &now = sweeps_.start(), &end = sweeps_.end();
+    const RowRange whole = sweeps_.line.layout.whole();
     scatter(q, end.q_p);
     scatter(v, end.v_p);
     end.a = Buffer<Row>(sweeps_.line.layout.rows);
@@ -244,8 +296,8 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     sweeps_.known.copy_from(sweeps_.line.load);
     if (!factors_.factor_mass(end.q_p)) return false;
     for (int n = 0; n < kRefinements; ++n) {  // find (1 + alpha) a from M a = -g
-        sweeps_.eliminate<false>(factors_.coupled().matrix);
-        sweeps_.substitute<false>(factors_.coupled().matrix);
+        sweeps_.eliminate<false>(factors_.coupled().matrix, whole);
+        sweeps_.substitute<false>(factors_.coupled().matrix, whole, nullptr, 0);
     }
     if (scheme_.alpha != 0.0) carry_over();
     for (std::size_t row = 0; row < end.a.size(); ++row)

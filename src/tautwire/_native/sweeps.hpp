@@ -25,6 +25,18 @@ struct Prediction {
     double time_step = 0.0, a_to_q = 0.0, a_to_v = 0.0;
 };
 
+// A stretch of the contact wire within one segment.
+struct Region {
+    RowRange rows;
+    int lane;
+};
+
+// Largest increments of the acceleration of a coordinate: anywhere, and outside some regions; NaN
+// when the state is not finite.
+struct Increment {
+    double all, outside;
+};
+
 class Sweeps {
 public:
     Sweeps(const LineData& data, double weight)
@@ -78,15 +90,15 @@ public:
         end().a.copy_from(start().a);
     }
 
-    // Eliminate the residual of the present iterate. With kFirst that is the prediction, which is
-    // made on the way, and the preconditioner is turned to it.
+    // Eliminate the residual of the present iterate in a range of rows. With kFirst, in all rows,
+    // that iterate is the prediction, which is made on the way, and the preconditioner is turned
+    // to it.
     template <bool kFirst, class P>
-    void eliminate(P& preconditioner);
+    void eliminate(P& preconditioner, RowRange range);
 
-    // Substitute back and update the accelerations; return the largest acceleration increment of a
-    // coordinate, NaN when the state is not finite. With kFirst, as above.
+    // Substitute back and update the accelerations.
     template <bool kFirst, class P>
-    double substitute(P& preconditioner);
+    Increment substitute(P& preconditioner, RowRange range, const Region* apart, int count);
 
     // Nodal inertia forces M a at the end of the step.
     void inertia(Buffer<Row>& out) const;
@@ -153,7 +165,13 @@ TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
 TAUTWIRE_INLINE void Sweeps::wires(
     int row, const Motion& left, const Motion& right, Ends (&out)[2]) const {
     Floats damping[9];
+    Doubles drag[2][9];
     damping_forces(damping_[row], left, right, damping);
+    TAUTWIRE_UNROLL
+    for (int i = 0; i < 9; ++i) {
+        drag[0][i] = widen(damping[i], 0);
+        drag[1][i] = widen(damping[i], 1);
+    }
     for (int wire = 0; wire < 2; ++wire) {
         const Element& element = line.element[2 * row + wire];
         const Parabola<Doubles> f = elastic_force(
@@ -161,11 +179,10 @@ TAUTWIRE_INLINE void Sweeps::wires(
         Ends ends = wire_forces(element, f, left.s[wire], right.s[wire]);
         TAUTWIRE_UNROLL
         for (int i = 0; i < 3; ++i) {
-            const Doubles along = widen(damping[i], wire);
-            ends.left[i] += along;
-            ends.right[i] -= along;
-            ends.left[3 + i] -= widen(damping[3 + i], wire);
-            ends.right[3 + i] -= widen(damping[6 + i], wire);
+            ends.left[i] += drag[wire][i];
+            ends.right[i] -= drag[wire][i];
+            ends.left[3 + i] -= drag[wire][3 + i];
+            ends.right[3 + i] -= drag[wire][6 + i];
         }
         out[wire] = ends;
     }
@@ -185,20 +202,33 @@ inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
 }
 
 template <bool kFirst, class P>
-void Sweeps::eliminate(P& preconditioner) {
-    const int rows = line.layout.rows;
+void Sweeps::eliminate(P& preconditioner, RowRange range) {
+    const int rows = line.layout.rows, first = range.first;
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
-    move<kFirst, false>(0, nodes[0]);
-    move<kFirst, false>(rows - 1, nodes[1]);
-    wrap(nodes[0], nodes[1], behind);
-    wires(rows - 1, nodes[1], behind, ends);  // the last elements act on the next segments
+    if (first == 0 || range.last == rows - 1) {
+        move<kFirst, false>(0, nodes[0]);
+        move<kFirst, false>(rows - 1, nodes[1]);
+        wrap(nodes[0], nodes[1], behind);
+    }
+    // What the elements before the first row do to it; those of the last row act on the next segment.
+    if (first == 0) {
+        wires(rows - 1, nodes[1], behind, ends);
+    } else {
+        move<kFirst, false>(first - 1, nodes[~first & 1]);
+        move<kFirst, false>(first, nodes[first & 1]);
+        wires(first - 1, nodes[~first & 1], nodes[first & 1], ends);
+    }
     for (int wire = 0; wire < 2; ++wire)
-        for (int i = 0; i < 6; ++i) carry[wire][i] = to_next_segment(ends[wire].right[i]);
+        for (int i = 0; i < 6; ++i) {
+            const Doubles right = ends[wire].right[i];
+            carry[wire][i] = first == 0 ? to_next_segment(right) : right;
+        }
 
-    move<kFirst, true>(0, nodes[0]);
-    for (int row = 0; row < rows; ++row) {
+    preconditioner.begin_elimination(range);
+    if constexpr (kFirst) move<kFirst, true>(first, nodes[first & 1]);
+    for (int row = first; row <= range.last; ++row) {
         const Motion& here = nodes[row & 1];
         Motion& next = nodes[~row & 1];
         if (row + 1 < rows) move<kFirst, true>(row + 1, next);
@@ -243,24 +273,36 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
 }
 
 template <bool kFirst, class P>
-double Sweeps::substitute(P& preconditioner) {
+Increment Sweeps::substitute(P& preconditioner, RowRange range, const Region* apart, int count) {
     using V = typename P::Vector;
-    V largest = broadcast<V>(0.0), total = largest;
+    V outside = broadcast<V>(0.0), total = outside;
+    double inside = 0.0;
     preconditioner.chain().begin_substitution();
-    for (int row = line.layout.rows - 1; row >= 0; --row) {
+    for (int row = range.last; row >= range.first; --row) {
         Row x;
-        preconditioner.substitute(row, x, largest, total);
+        V size;
+        preconditioner.substitute(row, x, size, total);
         const int support = line.support_of[row];
+        TAUTWIRE_UNROLL
         for (int wire = 0; wire < 2; ++wire)
+            TAUTWIRE_UNROLL
             for (int i = 0; i < 6; ++i) {
                 if (support >= 0) x[wire][i] *= line.supports[support].free[wire][i];
                 const Doubles before = (kFirst ? start() : end()).a[row][wire][i];
                 end().a[row][wire][i] = before + x[wire][i];
             }
+        for (int n = 0; n < count; ++n) {
+            if (!apart[n].rows.contains(row)) continue;
+            const double here = size[apart[n].lane];
+            inside = inside > here ? inside : here;
+            size[apart[n].lane] = 0;
+        }
+        outside = maximum(outside, size);
     }
     double sum = 0.0;
     for (int lane = 0; lane < kLanesOf<V>; ++lane) sum += total[lane];
-    return std::isfinite(sum) ? largest_lane(largest) : sum - sum;
+    const double largest = largest_lane(outside);
+    return {std::isfinite(sum) ? (inside > largest ? inside : largest) : sum - sum, largest};
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -108,7 +108,6 @@ def make_stepper(
     if core is not None and cable_order(system) is not None:
         return NativeStepper(core, system, pantographs, options, observed)
     stepper = ReferenceStepper(system, pantographs, options, observed)
-    stepper.counters.notes["kernels"] = "reference (NumPy)"
     if core is not None:
         stepper.counters.notes["general_solver"] = (
             "the line is not two wires side by side coupled station by station"

@@ -136,6 +136,12 @@ class NativeStepper:
         self._core.velocities(out)
         return out
 
+    @property
+    def timings(self) -> dict[str, float]:
+        """Wall time spent so far by the core in the parts of its work [s]."""
+        names = ("elimination", "contacts", "substitution", "records", "total")
+        return dict(zip(names, self._core.timings(), strict=True))
+
     def start_from(self, q: Array, v: Array) -> None:
         """Replace the state at time zero (plucked wires, wave tests); forces need not balance.
 
@@ -198,11 +204,12 @@ class NativeStepper:
         )
 
     def _count(self) -> None:
-        steps, iterations, refactorisations, full = self._core.counters()
+        steps, iterations, refactorisations, full, local = self._core.counters()
         self.counters.steps = steps
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
         self.counters.full_newton_steps = full
+        self.counters.notes["local_iterations"] = local
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
         count = len(self._inputs)
@@ -223,13 +230,12 @@ class NativeStepper:
             clocks.append(clocks[-1].after(time_step))
         time = np.array([c.time for c in clocks])
         end = time[1:]
-        loads = [np.empty((steps + 1, 0))]
-        loads += [np.array([given.external(t) for t in time]) for given in self._inputs]
+        loads = [np.empty((steps + 1, 0))] + [_external(given, time) for given in self._inputs]
         external = np.concatenate(loads, axis=1)
         arrays = {
             "time_step": time_step,
             "position": _columns([given.position(end) for given in self._inputs], steps),
-            "rise": _columns([_rises(given, end) for given in self._inputs], steps),
+            "rise": _columns([given.unevenness(end) for given in self._inputs], steps),
             "on_line": _columns([end >= g.start_time - _SAME_TIME for g in self._inputs], steps),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),
@@ -252,8 +258,11 @@ def _columns(values: list[Array], steps: int) -> Array:
     return np.stack(values, axis=1) if values else np.empty((steps, 0))
 
 
-def _rises(given: PantographInput, time: Array) -> Array:
-    return np.array([given.unevenness(t) for t in time])
+def _external(given: PantographInput, time: Array) -> Array:
+    """Return the external forces on the stages at some instants, ``(n_time, n_stage)`` [N]."""
+    if given.roof is None and time[0] - given.start_time >= given.ramp:
+        return np.tile(given.external(float(time[0])), (len(time), 1))
+    return np.array([given.external(t) for t in time])
 
 
 def _scheme(options: StepOptions) -> dict[str, float | bool]:

@@ -187,7 +187,7 @@ class ReferenceStepper:
             a_free = chain.acceleration(z, v, known, given.external(end))
             head = float(given.start_height + z[0] + c.to_position * a_free[0])
             stiffness = k / (1.0 + k * chain.compliance)
-            x, rise = given.position(end), given.unevenness(end)
+            x, rise = given.position(end), float(given.unevenness(np.array(end)))
             yield Prediction(i, chain, x, rise, head, stiffness, z, v, a_free)
 
     def _chains_for(self, time_step: float) -> tuple[PantographStep, ...]:

@@ -73,14 +73,14 @@ class SurfaceProfile:
         """Longitudinal positions of the ordinates, ``(n,)`` [m]."""
         return self.start + self.spacing * np.arange(len(self.height))
 
-    def at(self, x: float) -> float:
-        """Return the height at a longitudinal position [m]."""
-        place = (x - self.start) / self.spacing
-        if not 0.0 <= place <= len(self.height) - 1:
-            return 0.0
-        left = min(int(place), len(self.height) - 2)
+    def at(self, x: Array) -> Array:
+        """Return the heights at longitudinal positions, of the shape of ``x`` [m]."""
+        place = (np.asarray(x, dtype=float) - self.start) / self.spacing
+        last = len(self.height) - 1
+        left = np.clip(place.astype(np.int64), 0, last - 1)
         share = place - left
-        return float((1.0 - share) * self.height[left] + share * self.height[left + 1])
+        height = (1.0 - share) * self.height[left] + share * self.height[left + 1]
+        return np.where((place >= 0.0) & (place <= last), height, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +120,10 @@ class PantographInput:
         """Longitudinal position at one instant or at several [m]."""
         return self.start_x + self.velocity * (time - self.start_time)
 
-    def unevenness(self, time: float) -> float:
-        """Height of the running surface above the wire where the head is [m]."""
-        return 0.0 if self.surface is None else self.surface.at(self.position(time))
+    def unevenness(self, time: Array) -> Array:
+        """Return the height of the running surface above the wire where the head is [m]."""
+        place = self.start_x + self.velocity * (np.asarray(time, dtype=float) - self.start_time)
+        return np.zeros(np.shape(place)) if self.surface is None else self.surface.at(place)
 
     def external(self, time: float) -> Array:
         """Return uplift force and roof motion as forces on the stages, ``(n_stage,)`` [N]."""
