@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tautwire.analyses.contact_loss import contact_loss
-    from tautwire.analyses.dynamics import ConstantStep, iterate, simulate
+    from tautwire.analyses.dynamics import iterate, simulate
     from tautwire.analyses.elasticity import elasticity
+    from tautwire.analyses.loss_comparison import compare_losses
     from tautwire.analyses.modes import modes
     from tautwire.analyses.pipeline import run
     from tautwire.analyses.shape import find_shape
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from tautwire.inputs.load import load_case
     from tautwire.model.build import Model, build
     from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.numerics.refinement import AdaptiveStep
+    from tautwire.numerics.step_control import ConstantStep, VariableStep
     from tautwire.report.page import write_report
     from tautwire.results.equilibrium import Equilibrium
     from tautwire.results.run import Run
@@ -39,6 +42,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "HHT",
+    "AdaptiveStep",
     "Butterworth",
     "Case",
     "ConstantStep",
@@ -51,8 +55,10 @@ __all__ = [
     "Run",
     "SharpLowpass",
     "TautwireError",
+    "VariableStep",
     "__version__",
     "build",
+    "compare_losses",
     "contact_loss",
     "contact_statistics",
     "elasticity",
@@ -69,9 +75,10 @@ __all__ = [
 ]
 
 _HOMES = {
+    "AdaptiveStep": "tautwire.numerics.refinement",
     "Butterworth": "tautwire.signals.filters",
     "Case": "tautwire.specs.case",
-    "ConstantStep": "tautwire.analyses.dynamics",
+    "ConstantStep": "tautwire.numerics.step_control",
     "ConvergenceError": "tautwire.errors",
     "Equilibrium": "tautwire.results.equilibrium",
     "HHT": "tautwire.numerics.newmark",
@@ -82,7 +89,9 @@ _HOMES = {
     "Run": "tautwire.results.run",
     "SharpLowpass": "tautwire.signals.filters",
     "TautwireError": "tautwire.errors",
+    "VariableStep": "tautwire.numerics.step_control",
     "build": "tautwire.model.build",
+    "compare_losses": "tautwire.analyses.loss_comparison",
     "contact_loss": "tautwire.analyses.contact_loss",
     "contact_statistics": "tautwire.analyses.statistics",
     "elasticity": "tautwire.analyses.elasticity",

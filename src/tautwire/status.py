@@ -18,6 +18,7 @@ class Status(Enum):
     SINGULAR = "singular"
     NOT_FINITE = "not finite"
     OFF_THE_LINE = "off the line"
+    TOO_MANY_LOSSES = "too many losses"
 
     @property
     def sentence(self) -> str:
@@ -56,5 +57,10 @@ _TEXT = {
     Status.OFF_THE_LINE: (
         "A pantograph left the modelled wire.",
         "Lengthen the line (line.spans) or move the start (settings.start).",
+    ),
+    Status.TOO_MANY_LOSSES: (
+        "Contact is lost so often that following every loss is pointless.",
+        "Use a constant step (settings.step_control), raise its 'most_losses', or check "
+        "irregularities, contact stiffness and uplift force.",
     ),
 }

@@ -90,6 +90,8 @@ _KINDS = {
     "N": ("a force", "22 kN"),
     "rad": ("an angle", "10 deg"),
     "1/s": ("a rate", "0.0125 1/s"),
+    "1/m": ("a wavenumber", "0.5 1/m"),
+    "m^3": ("a spectral density", "1e-7 m^3"),
     "m/s": ("a speed", "320 km/h"),
     "m/s^2": ("an acceleration", "9.81 m/s^2"),
     "kg/m": ("a mass per length", "1.35 kg/m"),

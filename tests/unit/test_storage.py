@@ -102,6 +102,7 @@ def test_equilibrium_is_read_from_a_run(run: Run, stored: Path) -> None:
             {
                 *("case", "equilibrium", "status", "message", "time", "pantographs"),
                 *("snapshots", "counters", "warnings", "provenance"),
+                *("events", "irregularities"),
             },
         ),
     ],

@@ -17,30 +17,22 @@ from tautwire.model.equations import equations
 from tautwire.model.mesh import CONTACT, MESSENGER
 from tautwire.model.passage import Passage, plan_passage
 from tautwire.numerics.backend import Choice, backend_name, make_stepper
+from tautwire.numerics.crossings import Crossing
+from tautwire.numerics.dispersion import wave_stiffening
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
+from tautwire.numerics.refinement import AdaptiveStep
+from tautwire.numerics.step_control import ConstantStep, StepControl, Task, VariableStep
 from tautwire.numerics.stepper import StepBlock, StepOptions, Stepper
 from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.provenance import provenance
-from tautwire.results.run import PantographRecord, Run, Snapshots
+from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.status import Status
 
 Array = NDArray[Any]
 
 FRAME_INTERVAL = 0.02
 SHAPE_INTERVAL = 0.005
-
-
-@dataclass(frozen=True)
-class ConstantStep:
-    """Advance with one time step throughout.
-
-    Parameters
-    ----------
-    time_step
-        [s]
-    """
-
-    time_step: float
 
 
 @dataclass(frozen=True)
@@ -81,11 +73,14 @@ class Block:
     coordinates : (n_dof,)
         Nodal coordinates at the end of the block.
     progress : Progress
+    crossings : tuple of Crossing or None
+        Where contacts opened and closed; None when the step control does not locate that.
     """
 
     steps: StepBlock
     coordinates: Array
     progress: Progress
+    crossings: tuple[Crossing, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +90,7 @@ class Choices:
     Attributes
     ----------
     integrator : Newmark or HHT, optional
-    stepping : ConstantStep, optional
+    stepping : ConstantStep, VariableStep or AdaptiveStep, optional
     uplift_forces : tuple of float N, optional
         One per pantograph.
     backend : str, optional
@@ -103,7 +98,7 @@ class Choices:
     """
 
     integrator: Integrator | None = None
-    stepping: ConstantStep | None = None
+    stepping: StepControl | None = None
     uplift_forces: tuple[float, ...] | None = None
     backend: Choice | None = None
 
@@ -126,7 +121,7 @@ class Simulation:
         settings = model.case.settings
         self.model, self.shape = model, shape
         self.integrator = choices.integrator or _integrator(model)
-        self.stepping = choices.stepping or ConstantStep(settings.time_step)
+        self.stepping = choices.stepping or _stepping(model)
         self.backend = backend_name(choices.backend or settings.backend)
         forces = choices.uplift_forces or model.case.uplift_forces()
         self.passage: Passage = plan_passage(model, shape, forces)
@@ -136,6 +131,9 @@ class Simulation:
             self.stepping.time_step,
             settings.contact_stiffness,
             tolerance=settings.tolerance,
+            stiffening=(
+                wave_stiffening(system, self.integrator) if self.stepping.corrects_waves else None
+            ),
         )
         observed = 6 * (2 * model.mesh.support_station + CONTACT) + 2
         self.stepper: Stepper = make_stepper(
@@ -147,16 +145,23 @@ class Simulation:
         """Advance to the end of the passage, block by block; the last block tells the status."""
         interval = SHAPE_INTERVAL if self.model.case.settings.store_shapes else FRAME_INTERVAL
         size = max(1, round(interval / self.stepping.time_step))
-        begin, done = clock.perf_counter(), 0
-        while done < self.step_count:
-            steps = self.stepper.advance(min(size, self.step_count - done))
-            done += len(steps.time)
-            progress = Progress(
-                self.stepper.time, self.passage.duration, clock.perf_counter() - begin
-            )
-            yield Block(steps, self.stepper.coordinates.copy(), progress)
-            if steps.status is not Status.RUNNING:
-                return
+        begin, reached = clock.perf_counter(), 0.0
+        stiffness = self.model.case.settings.contact_stiffness
+        task = Task(self.stepper, self.step_count, size, stiffness, self._focus())
+        for chunk in self.stepping.integrate(task):
+            reached = float(chunk.steps.time[-1]) if len(chunk.steps.time) else reached
+            progress = Progress(reached, self.passage.duration, clock.perf_counter() - begin)
+            yield Block(chunk.steps, chunk.coordinates, progress, chunk.crossings)
+
+    def _focus(self) -> tuple[float, float]:
+        """Return when the first pantograph enters the analysed section and the last leaves it."""
+        first, last = self.model.case.resolved_section()
+        limits = np.array(self.model.case.line.support_positions())[[first - 1, last]]
+        times = [
+            given.start_time + (limits - given.start_x) / given.velocity
+            for given in self.passage.pantographs
+        ]
+        return float(np.min(times)), float(np.max(times))
 
 
 def iterate(model: Model, shape: Equilibrium, *, choices: Choices | None = None) -> Iterator[Block]:
@@ -185,7 +190,7 @@ def simulate(
     shape: Equilibrium,
     *,
     integrator: Integrator | None = None,
-    stepping: ConstantStep | None = None,
+    stepping: StepControl | None = None,
     uplift_forces: Sequence[float] | None = None,
     backend: Choice | None = None,
     watch: Callable[[Progress], bool] | None = None,
@@ -201,7 +206,7 @@ def simulate(
     integrator
         Newmark or HHT; ``settings.integrator`` by default.
     stepping
-        Step control; a constant ``settings.time_step`` by default.
+        Step control; ``settings.step_control`` with ``settings.time_step`` by default.
     uplift_forces
         Force on each pantograph [N]; prescribed or first-guess forces of the scenario by default.
     backend
@@ -246,6 +251,27 @@ def _integrator(model: Model) -> Integrator:
     return HHT(spec.alpha) if spec.method == "hht" else Newmark()
 
 
+def _stepping(model: Model) -> StepControl:
+    settings = model.case.settings
+    spec, step = settings.step_control, settings.time_step
+    if spec.method == "variable":
+        return VariableStep(
+            step,
+            tolerance=spec.gap_tolerance or VariableStep.tolerance,
+            force_tolerance=spec.force_tolerance,
+            most_losses=spec.most_losses,
+            corrects_waves=bool(spec.corrects_waves),
+        )
+    if spec.method == "adaptive":
+        return AdaptiveStep(
+            step,
+            tolerance=spec.duration_tolerance or AdaptiveStep.tolerance,
+            most_losses=spec.most_losses,
+            corrects_waves=spec.corrects_waves is not False,
+        )
+    return ConstantStep(step, corrects_waves=bool(spec.corrects_waves))
+
+
 def _collect(
     simulation: Simulation, blocks: list[Block], status: Status, spent: tuple[float, float]
 ) -> Run:
@@ -271,7 +297,26 @@ def _collect(
         counters=_counters(simulation, time, spent),
         warnings=tuple(simulation.passage.warnings),
         provenance=provenance(model.case, simulation.backend),
+        events=_events(blocks),
+        irregularities=_irregularities(model),
     )
+
+
+def _events(blocks: list[Block]) -> ContactEvents | None:
+    located = [b.crossings for b in blocks if b.crossings is not None]
+    if not located:
+        return None
+    crossings = sorted((c for part in located for c in part), key=lambda c: c.time)
+    return ContactEvents(
+        time=np.array([c.time for c in crossings], dtype=float),
+        pantograph=np.array([c.pantograph for c in crossings], dtype=np.int64),
+        opens=np.array([c.opens for c in crossings], dtype=bool),
+    )
+
+
+def _irregularities(model: Model) -> DrawnIrregularities | None:
+    drawn = model.irregularities
+    return drawn if drawn.is_installed_wrong or drawn.is_uneven else None
 
 
 def _message(status: Status, time: Array) -> str:
@@ -358,5 +403,6 @@ def _counters(simulation: Simulation, time: Array, spent: tuple[float, float]) -
         "backend": simulation.backend,
         "integrator": simulation.integrator.describe(),
         "time_step": simulation.stepping.time_step,
+        "step_control": simulation.stepping.describe(),
         **counters.notes,
     }

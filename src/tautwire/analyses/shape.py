@@ -49,19 +49,21 @@ def find_shape(model: Model) -> Equilibrium:
         When a dropper or a steady arm would have to push; every one of them is named.
     """
     form, iterations = _solve(model)
-    if model.case.droppers.mode == "height":
-        _refuse_pushing_droppers(model, _dropper_forces(form))
     return _equilibrium(model, form, iterations)
 
 
 def _solve(model: Model) -> tuple[Form, int]:
     """Run the shape finding that the dropper mode asks for."""
     droppers = model.case.droppers
-    if droppers.mode == "height":
-        form = _converged(model.form)
-        return form, form.newton.iterations
     problem, spent = model.form, 0
-    if droppers.length_kind == "stretched":
+    if droppers.mode == "height":
+        form = _converged(problem)
+        spent = form.newton.iterations
+        _refuse_pushing_droppers(model, _dropper_forces(form))
+        if not np.any(model.irregularities.dropper_length):
+            return form, spent
+        problem = _with_length_errors(model, form)
+    elif droppers.length_kind == "stretched":
         problem, spent = _with_unstrained_lengths(problem)
     for _ in range(_ACTIVE_SET_PASSES):
         form = _converged(problem)
@@ -74,6 +76,15 @@ def _solve(model: Model) -> tuple[Form, int]:
     raise ConvergenceError(
         "shape finding: the set of slack droppers does not settle; check droppers.lengths"
     )
+
+
+def _with_length_errors(model: Model, form: Form) -> FormProblem:
+    """Return the problem of the lengths that were found, with their errors of installation."""
+    system = form.system
+    lengths = system.dropper_length + model.irregularities.dropper_length
+    given = system.with_(dropper_length=lengths, load=model.form.system.load)
+    none = np.full(len(lengths), -1)
+    return replace(model.form, system=given, dropper_slot=none)
 
 
 def _with_unstrained_lengths(problem: FormProblem) -> tuple[FormProblem, int]:
@@ -128,7 +139,7 @@ def _dropper_forces(form: Form) -> Array:
 def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
     """Raise when a prescribed height asks a dropper to push."""
     mesh = model.mesh
-    drops = _presags(model)
+    drops, errors = _presags(model), 1e3 * model.irregularities.dropper_height
     faults = [
         f"dropper {mesh.dropper_number[i]} of span {mesh.dropper_span[i]}, "
         f"x = {mesh.dropper_x[i]:.2f} m, would have to push ({forces[i]:.1f} N); "
@@ -136,6 +147,13 @@ def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
         "a few millimetres less are usually enough) or use length mode"
         for i in np.flatnonzero(forces < 0.0)
     ]
+    if errors.any():
+        faults = [
+            f"{fault}; the drawn errors of height are {errors.min():.1f} to {errors.max():.1f} mm: "
+            "make irregularities.installation smaller, give errors of length, or draw with another "
+            "settings.seed"
+            for fault in faults
+        ]
     if faults:
         raise ModelError("\n".join(faults))
 

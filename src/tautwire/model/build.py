@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from tautwire.model.arms import given_arms
 from tautwire.model.guess import StringWire, coupled_shape, string_shape
+from tautwire.model.irregularity import draw_irregularities
 from tautwire.model.mesh import CONTACT, MESSENGER, Mesh, divide
 from tautwire.numerics.form_finding import FormProblem
 from tautwire.numerics.system import System
+from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]
@@ -47,6 +49,7 @@ class Model:
     case: Case
     mesh: Mesh
     supports: SupportGeometry
+    irregularities: DrawnIrregularities
     form: FormProblem
 
 
@@ -65,7 +68,8 @@ def build(case: Case) -> Model:
     mesh = divide(case)
     supports = _support_geometry(case)
     lumped, loads = _lumps(case, mesh)
-    guess = _guess(case, mesh, supports, loads)
+    drawn = draw_irregularities(case)
+    guess = _guess(case, mesh, supports, loads, drawn)
     system = _system(case, mesh, supports, guess, lumped)
     axial = case.droppers.stiffness.axial
     problem = FormProblem(
@@ -78,7 +82,7 @@ def build(case: Case) -> Model:
         gravity=case.line.gravity,
         taut=np.ones(len(mesh.dropper_x), dtype=bool),
     )
-    return Model(case=case, mesh=mesh, supports=supports, form=problem)
+    return Model(case, mesh, supports, drawn, problem)
 
 
 def _support_geometry(case: Case) -> SupportGeometry:
@@ -157,14 +161,21 @@ class _Guess:
     dropper_length: Array
 
 
-def _guess(case: Case, mesh: Mesh, supports: SupportGeometry, weights: Array) -> _Guess:
+def _guess(
+    case: Case,
+    mesh: Mesh,
+    supports: SupportGeometry,
+    weights: Array,
+    drawn: DrawnIrregularities,
+) -> _Guess:
     """Guess heights of both wires and unstrained dropper lengths."""
     contact = _string(case, mesh, CONTACT, weights)
     messenger = _string(case, mesh, MESSENGER, weights)
     at, spec = mesh.dropper_station, case.droppers
     spring = 0.0
     if spec.mode == "length":
-        lengths = np.concatenate([np.array(s) for s in spec.lengths_by_span(case.line.spans)])
+        given = np.concatenate([np.array(s) for s in spec.lengths_by_span(case.line.spans)])
+        lengths = given + drawn.dropper_length
         held_contact = _with_heights(contact, mesh.support_station, supports.contact_height)
         held = _with_heights(messenger, mesh.support_station, supports.messenger_height)
         z_c, z_m = coupled_shape(mesh.x, held_contact, held, at, lengths)
@@ -172,7 +183,7 @@ def _guess(case: Case, mesh: Mesh, supports: SupportGeometry, weights: Array) ->
     droop = np.concatenate([np.array(s) for s in spec.presag_by_span(case.line.spans)])
     straight = np.interp(mesh.dropper_x, mesh.support_x, supports.contact_height)
     stations = np.concatenate([mesh.support_station, at])
-    heights = np.concatenate([supports.contact_height, straight - droop])
+    heights = np.concatenate([supports.contact_height, straight - droop + drawn.dropper_height])
     z_c, reaction = string_shape(mesh.x, _with_heights(contact, stations, heights))
     load = messenger.load.copy()
     load[at] += reaction[at]

@@ -9,6 +9,7 @@ import numpy as np
 
 from tautwire.errors import ModelError
 from tautwire.model.build import Model
+from tautwire.model.irregularity import surface_profile
 from tautwire.numerics.pantograph import PantographChain
 from tautwire.numerics.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
@@ -64,6 +65,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     _check_length(model, duration)
     wire = shape.contact_position
     height = float(np.interp(start_x, wire[:, 0], wire[:, 2]))
+    surface = surface_profile(model.irregularities)
+    height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
     heights = [height if force > 0.0 else height - LOWERED for force in forces]
     inputs = tuple(
         PantographInput(
@@ -75,6 +78,7 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
             uplift_force=force,
             ramp=case.settings.ramp,
             roof=_roof(spec),
+            surface=surface,
         )
         for spec, force, start in zip(case.pantographs, forces, heights, strict=True)
     )

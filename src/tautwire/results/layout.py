@@ -110,6 +110,39 @@ SNAPSHOTS = (
     Entry("messenger_z", "messenger_z", ("time", "x"), "m", "height of the messenger wire"),
 )
 
+EVENTS = (
+    Entry("time", "time", ("event",), "s", "instant at which a contact opens or closes"),
+    Entry("pantograph", "pantograph", ("event",), "1", "number of the pantograph, from 1"),
+    Entry("opens", "opens", ("event",), "1", "1 for a separation, 0 for a re-contact"),
+)
+
+IRREGULARITIES = (
+    Entry("seed", "seed", (), "1", "seed of everything random"),
+    Entry(
+        "dropper_height",
+        "dropper_height",
+        ("dropper",),
+        "m",
+        "installation error of the height of the contact wire at the dropper, positive up",
+    ),
+    Entry(
+        "dropper_length",
+        "dropper_length",
+        ("dropper",),
+        "m",
+        "installation error of the dropper length",
+    ),
+    Entry("surface_start", "surface_start", (), "m", "position of the first ordinate"),
+    Entry("surface_spacing", "surface_spacing", (), "m", "distance of the ordinates"),
+    Entry(
+        "surface_height",
+        "surface_height",
+        ("ordinate",),
+        "m",
+        "height of the running surface relative to the wire, positive up",
+    ),
+)
+
 ELASTICITY = (
     Entry("span", "span", ("point",), "1", "number of the span, from 1"),
     Entry("kind", "kind", ("point",), "1", "support, dropper or middle (between two)"),

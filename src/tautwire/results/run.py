@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]
@@ -91,6 +92,25 @@ class Snapshots:
 
 
 @dataclass(frozen=True, eq=False)
+class ContactEvents:
+    """Instants at which contacts open and close, located between samples.
+
+    Attributes
+    ----------
+    time : (n_event,) s
+        In order.
+    pantograph : (n_event,)
+        0-based number of the pantograph.
+    opens : (n_event,) bool
+        True for a separation, False for a re-contact.
+    """
+
+    time: Array
+    pantograph: NDArray[np.int64]
+    opens: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
 class Run:
     """Result of :func:`tautwire.simulate`.
 
@@ -115,6 +135,10 @@ class Run:
     warnings : tuple of str
     provenance : mapping
         ``version, commit, created, case_hash, python, platform``.
+    events : ContactEvents or None
+        Where contacts opened and closed; None when the step control does not locate that.
+    irregularities : DrawnIrregularities or None
+        What the line was computed with; None when it has none.
     """
 
     case: Case
@@ -129,6 +153,8 @@ class Run:
     counters: Mapping[str, Any]
     warnings: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    events: ContactEvents | None = None
+    irregularities: DrawnIrregularities | None = None
 
     def pantograph(self, name: str) -> PantographRecord:
         """Return the record of the named pantograph.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,15 @@ Array = NDArray[np.float64]
 
 ARC_DURATION = 0.005
 """Shortest loss that counts as an arc [s] (EN 50367 as quoted by Song et al. 2021)."""
+
+
+LOSS_CLASSES = (0.0, 1e-3, ARC_DURATION, 1e-2, 2e-2)
+"""Limits of the classes of loss durations [s]."""
+
+ARC_NOTE = (
+    "Losses of contact are a surrogate for measured arcing: no arc is modelled, and it may burn "
+    "shorter or longer than the mechanical loss."
+)
 
 
 @dataclass(frozen=True)
@@ -200,6 +210,26 @@ class LossEvent:
 
 
 @dataclass(frozen=True)
+class LossClass:
+    """Losses from one duration to the next.
+
+    Attributes
+    ----------
+    low, high : float s
+        Shortest duration, and the first one that is too long.
+    count : int
+    """
+
+    low: float
+    high: float
+    count: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the class as plain data for JSON."""
+        return {"from_ms": 1e3 * self.low, "to_ms": _plain(1e3 * self.high), "count": self.count}
+
+
+@dataclass(frozen=True)
 class ContactLoss:
     """Contact loss of one pantograph inside the section, from the unfiltered gap.
 
@@ -240,6 +270,14 @@ class ContactLoss:
         lost = sum(event.duration for event in self.events if event.duration >= duration)
         return 100.0 * lost / self.observed if self.observed > 0.0 else float("nan")
 
+    def classes(self) -> tuple[LossClass, ...]:
+        """Sort the losses into classes of duration (:data:`LOSS_CLASSES`)."""
+        limits = (*LOSS_CLASSES, math.inf)
+        return tuple(
+            LossClass(low, high, sum(low <= event.duration < high for event in self.events))
+            for low, high in pairwise(limits)
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Return the losses as plain data for JSON."""
         return {
@@ -249,6 +287,7 @@ class ContactLoss:
             "count_over_5_ms": self.count_over(),
             "percent_over_5_ms": _plain(self.percent_over()),
             "observed_s": self.observed,
+            "classes": [part.as_dict() for part in self.classes()],
             "events": [event.as_dict() for event in self.events],
         }
 

@@ -25,9 +25,10 @@ from tautwire.errors import InputError
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import replacing
+from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.layout import FORMAT, FORMAT_VERSION, Entry
 from tautwire.results.provenance import provenance
-from tautwire.results.run import PantographRecord, Run, Snapshots
+from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.specs.case import Case
 
 if TYPE_CHECKING:
@@ -65,6 +66,11 @@ def save_run(run: Run, path: PathLike, elasticity: Elasticity | None = None) -> 
         _write_pantographs(file, run.pantographs)
         _write_entries(file.create_group("snapshots"), layout.SNAPSHOTS, run.snapshots)
         _write_static(file, run.equilibrium, elasticity)
+        if run.events is not None:
+            _write_events(file.create_group("events"), run.events)
+        if run.irregularities is not None:
+            group = file.create_group("irregularities")
+            _write_entries(group, layout.IRREGULARITIES, run.irregularities)
 
 
 def load_run(path: PathLike) -> Run:
@@ -97,6 +103,8 @@ def load_run(path: PathLike) -> Run:
             counters=json.loads(_text(file, "counters")),
             warnings=tuple(json.loads(_text(file, "warnings"))),
             provenance=json.loads(_text(file, "provenance")),
+            events=_read_events(file),
+            irregularities=_read_irregularities(file),
             **_read_entries(file, layout.RUN),
         )
 
@@ -352,6 +360,28 @@ def _read_pantographs(file: h5netcdf.File) -> tuple[PantographRecord, ...]:
             )
         )
     return tuple(records)
+
+
+def _write_events(group: h5netcdf.Group, events: ContactEvents) -> None:
+    """Write the instants at which contacts open and close; pantographs are numbered from 1."""
+    values = (events.time, events.pantograph + 1, events.opens.astype(np.int8))
+    for entry, data in zip(layout.EVENTS, values, strict=True):
+        _write(group, entry, data)
+
+
+def _read_events(file: h5netcdf.File) -> ContactEvents | None:
+    if "events" not in file.groups:
+        return None
+    time, pantograph, opens = (_array(file.groups["events"], e.name) for e in layout.EVENTS)
+    return ContactEvents(time, pantograph - 1, opens.astype(bool))
+
+
+def _read_irregularities(file: h5netcdf.File) -> DrawnIrregularities | None:
+    if "irregularities" not in file.groups:
+        return None
+    return DrawnIrregularities(
+        **_read_entries(file.groups["irregularities"], layout.IRREGULARITIES)
+    )
 
 
 def _write_static(

@@ -44,6 +44,30 @@ def loss_intervals(time: ArrayLike, gap: ArrayLike) -> tuple[Array, Array]:
     return start[real], end[real]
 
 
+def counted_intervals(time: ArrayLike, gap: ArrayLike) -> tuple[Array, Array]:
+    """Find losses of contact by counting samples, each as the time step that follows it.
+
+    Parameters
+    ----------
+    time : (n_time,) s
+        Evenly spaced.
+    gap : (n_time,) m
+        Height of the wire above the head, negative in contact.
+
+    Returns
+    -------
+    start, end : (n_event,) s
+    """
+    instants = np.asarray(time, dtype=np.float64)
+    lost = np.asarray(gap, dtype=np.float64) >= 0.0
+    if instants.size < 2:
+        return np.empty(0), np.empty(0)
+    edges = np.diff(np.concatenate([[False], lost, [False]]).astype(np.int8))
+    first, count = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    start = instants[first]
+    return start, start + (count - first) * (instants[1] - instants[0])
+
+
 def clip_intervals(
     start: ArrayLike, end: ArrayLike, first: float, last: float
 ) -> tuple[Array, Array, NDArray[np.bool_]]:

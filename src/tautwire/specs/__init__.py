@@ -3,10 +3,12 @@
 from tautwire.specs.case import Case, Source
 from tautwire.specs.catenary import Damping, Ends, Line
 from tautwire.specs.dropper import Droppers, DropperStiffness
+from tautwire.specs.irregularity import Installation, Irregularities, Unevenness
 from tautwire.specs.json_schema import case_json_schema
 from tautwire.specs.pantograph import Pantograph, RoofMotion, Stage
 from tautwire.specs.scenario import MeanForceLaw, Scenario
 from tautwire.specs.settings import Integrator, Settings
+from tautwire.specs.step_control import StepControl
 from tautwire.specs.support import Arm, Supports, SupportSpring
 from tautwire.specs.wire import Wire, Wires
 
@@ -17,7 +19,9 @@ __all__ = [
     "DropperStiffness",
     "Droppers",
     "Ends",
+    "Installation",
     "Integrator",
+    "Irregularities",
     "Line",
     "MeanForceLaw",
     "Pantograph",
@@ -26,8 +30,10 @@ __all__ = [
     "Settings",
     "Source",
     "Stage",
+    "StepControl",
     "SupportSpring",
     "Supports",
+    "Unevenness",
     "Wire",
     "Wires",
     "case_json_schema",

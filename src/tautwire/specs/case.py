@@ -12,6 +12,7 @@ from tautwire.specs.base import Spec, Typical, refuse
 from tautwire.specs.catenary import Line
 from tautwire.specs.checks import find_contradictions
 from tautwire.specs.dropper import Droppers
+from tautwire.specs.irregularity import Irregularities
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
@@ -54,6 +55,10 @@ class Case(Spec):
     droppers: Droppers = Field(description="The droppers.")
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."
+    )
+    irregularities: Irregularities = Field(
+        default=Irregularities(),
+        description="Irregularities of the contact wire; none if left out.",
     )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(description="Numerical choices and analysed section.")

@@ -8,6 +8,7 @@ from typing import Any
 from tautwire.specs.base import Problem
 from tautwire.specs.catenary import Line
 from tautwire.specs.dropper import Droppers
+from tautwire.specs.irregularity import check_irregularities
 from tautwire.specs.pantograph import Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
@@ -276,6 +277,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("scenario", "pantographs"), check_forces),
     (("line", "settings"), check_section),
     (("line", "pantographs", "settings"), check_train_length),
+    (("line", "droppers", "irregularities"), check_irregularities),
 )
 """Every check with the parts of the case it needs, so that it can run when others are invalid."""
 

@@ -35,7 +35,6 @@ NOT_MODELLED: dict[str, tuple[str, ...]] = {
     "rigid overhead conductor rail": ("rigid", "conductor_rail", "rigid_catenary"),
     "elastic cantilever": ("cantilever", "cantilevers", "mast", "masts"),
     "tensioning device with friction or spring": ("tensioning", "tensioner", "balance_weight"),
-    "contact-wire irregularity or wear": ("irregularity", "irregularities", "wear"),
     "wind": ("wind", "wind_speed", "gust"),
     "temperature and ice": ("temperature", "ice", "ice_load"),
     "uplift stop of the steady arm": ("uplift_stop", "uplift_limit"),

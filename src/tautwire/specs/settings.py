@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+from tautwire.specs.step_control import Method as StepMethod
+from tautwire.specs.step_control import StepControl
 
 Method = Literal["newmark", "hht"]
 SpanNumber = Annotated[int, Field(ge=1, strict=True)]
@@ -43,6 +45,10 @@ def _integrator_from_word(value: Any) -> Any:
     return {"method": value} if isinstance(value, str) else value
 
 
+def _step_control_from_word(value: Any) -> Any:
+    return {"method": value} if isinstance(value, str) else value
+
+
 class Settings(Spec):
     """Numerical choices; every one is recorded in the results."""
 
@@ -56,7 +62,8 @@ class Settings(Spec):
         description="Nodes from one attachment point (dropper, support) to the next, both counted.",
     )
     time_step: Annotated[float, Quantity("s", gt=0.0, le=0.1, typical="1 ms")] = Field(
-        default=1e-3, description="Constant time step."
+        default=1e-3,
+        description="Time step; with a step control other than 'constant', sampling interval.",
     )
     section: tuple[SpanNumber, SpanNumber] | None = Field(
         default=None,
@@ -92,6 +99,14 @@ class Settings(Spec):
     )
     filter_order: Annotated[int, Field(ge=1, le=12, strict=True), Typical("6")] = Field(
         default=6, description="Order of the Butterworth filter, applied forward and backward."
+    )
+    step_control: Annotated[
+        StepControl,
+        BeforeValidator(_step_control_from_word, json_schema_input_type=StepMethod | StepControl),
+    ] = Field(
+        default=StepControl(),
+        description="Step control: 'constant', 'variable', 'adaptive', or one of them with its "
+        "tolerance: {method: adaptive, duration_tolerance: 0.2 ms}.",
     )
     store_shapes: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="Store the full shape of both wires over time."
