@@ -8,6 +8,7 @@ the machine could do at that moment (see machine.py).
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import subprocess
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 WORKER = Path(__file__).with_name("passage.py")
+EXUDYN = Path(__file__).with_name("exudyn_line.py")
 HEAD = (
     "spans  NAD     DOF  it/step  CPU s per simulated s  MDOF-steps/s  set-up s  peak MB"
     "  dgemm GF/s  cache GB/s  DRAM GB/s  kernels"
@@ -80,6 +82,12 @@ def main() -> None:
         )
         print(f"CPU time relative to the first: {ratios}")
     table("NumPy reference", [measured(seconds=0.3, backend="reference")])
+    print("\nThe same two-wire line in Exudyn", flush=True)
+    if importlib.util.find_spec("exudyn") is None:
+        print("left out: exudyn is not installed (pip install exudyn==1.13.6)")
+        return
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    subprocess.run([sys.executable, str(EXUDYN)], check=True, env=environment)
 
 
 if __name__ == "__main__":

@@ -217,8 +217,8 @@ inline bool LineEngine::settle_contacts() {
     constexpr int kMost = 3;
     for (int n = 0; n < kMost; ++n) {
         double largest = 0.0;
-        ++counters_.local_iterations;
         for (int k = 0; k < touches_.count; ++k) {
+            ++counters_.local_iterations;
             if (!touch_all()) return false;
             const Increment increment = iterate(factors_.apart(), regions_[k].rows, false);
             if (!(increment.all <= largest)) largest = increment.all;

@@ -162,7 +162,7 @@ class StepOptions:
     integrator: Integrator
     time_step: float
     contact_stiffness: float
-    tolerance: float = 1e-7
+    tolerance: float = 3e-8
     iterations: int = 30
     full_newton: bool = False
     stiffening: WaveStiffening | None = None

@@ -83,8 +83,8 @@ class Settings(Spec):
     seed: Annotated[int, Field(ge=0, le=2**32 - 1, strict=True), Typical("0")] = Field(
         default=0, description="Seed of everything random."
     )
-    tolerance: Annotated[float, Quantity("m", ge=1e-12, le=1e-3, typical="1e-7 m")] = Field(
-        default=1e-7, description="Largest displacement increment of a converged time step."
+    tolerance: Annotated[float, Quantity("m", ge=1e-12, le=1e-3, typical="3e-8 m")] = Field(
+        default=3e-8, description="Largest displacement increment of a converged time step."
     )
     start: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="5 m")] = Field(
         default=5.0,

@@ -1,0 +1,58 @@
+"""The benchmarks run, on a small line."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tautwire.numerics import backend
+
+needs_core = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+
+
+def output(root: Path, program: str, *words: str) -> str:
+    """Run a benchmark and return what it prints."""
+    path = root / "benchmarks" / program
+    answer = subprocess.run(
+        [sys.executable, str(path), *words], capture_output=True, text=True, check=False
+    )
+    assert answer.returncode == 0, answer.stderr
+    return answer.stdout
+
+
+@pytest.mark.slow
+def test_passage(root: Path) -> None:
+    """The measured passage tells cost, memory and the speed of the machine."""
+    text = output(root, "passage.py", "--spans", "4", "--nodes", "4", "--seconds", "0.1")
+    found = json.loads(text)
+    assert found["dof"] == 6 * 2 * (4 * 10 * 3 + 1)
+    assert found["cpu_per_s"] > 0.0
+    assert found["memory_mb"] > 50.0
+    assert min(found["dgemm"], found["cached"], found["memory"]) > 0.1
+
+
+@pytest.mark.slow
+@needs_core
+def test_profile(root: Path) -> None:
+    """The profile's shares make up the whole step."""
+    text = output(root, "profile_steps.py", "--spans", "4", "--nodes", "4")
+    shares = [float(line.split("%")[0].split()[-1]) for line in text.splitlines()[4:]]
+    assert sum(shares) == pytest.approx(100.0, abs=0.5)
+
+
+@pytest.mark.slow
+@needs_core
+def test_accuracy(root: Path) -> None:
+    """The fast path stays within 0.1 N rms and 0.5 N of full Newton, with the same losses."""
+    text = output(root, "accuracy.py", "--spans", "4", "--nodes", "4")
+    rows = [line.split() for line in text.splitlines()[1:]]
+    assert len(rows) == 3
+    for *_, rms, largest, losses, with_full_newton in rows:
+        assert float(rms) <= 0.1
+        assert float(largest) <= 0.5
+        assert losses == with_full_newton
+    assert int(rows[-1][-1]) >= 5
