@@ -276,7 +276,10 @@ def test_profile_of_the_running_surface(tmp_path: Path) -> None:
         ("x,height [kg]\n1,0\n", "the unit does not fit; expected a length [m]"),
         ("x,heigth\n1,0\n", "unknown column 'heigth'; did you mean 'height'?"),
         ("x,height [mm]\n1,a\n", "line 2, column 'height [mm]': got 'a'; cells hold plain"),
-        ("x,height\n1,0\n2,0.7\n", "irregularities.unevenness[1].height[2]: got 0.7; must be at most"),
+        (
+            "x,height\n1,0\n2,0.7\n",
+            "irregularities.unevenness[1].height[2]: got 0.7; must be at most",
+        ),
     ],
     ids=range(7),
 )
