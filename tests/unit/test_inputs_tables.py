@@ -278,7 +278,7 @@ def test_profile_of_the_running_surface(tmp_path: Path) -> None:
         ("x,height [mm]\n1,a\n", "line 2, column 'height [mm]': got 'a'; cells hold plain"),
         (
             "x,height\n1,0\n2,0.7\n",
-            "irregularities.unevenness[1].height[2]: got 0.7; must be at most",
+            "unevenness[1].height[2]: got 0.7; must be at most 0.5 m",
         ),
     ],
     ids=range(7),
