@@ -20,7 +20,17 @@ from tautwire.results.run import Run
 from .synthetic import make_case, make_elasticity, make_run
 
 SECTIONS = [
-    *("summary", "line", "force", "spectrum", "uplift", "droppers", "elasticity", "inputs"),
+    *(
+        "summary",
+        "line",
+        "force",
+        "losses",
+        "spectrum",
+        "uplift",
+        "droppers",
+        "elasticity",
+        "inputs",
+    ),
     "animation",
 ]
 LARGEST = 15_000_000
@@ -133,7 +143,7 @@ def test_all_sections_are_present(page: _Page) -> None:
 def test_every_figure_has_data_a_caption_and_a_text(page: _Page) -> None:
     """Every chart finds its data, says what it shows, and has a numbered caption."""
     charts = [attrs for _, attrs in page.elements if attrs.get("class") == "chart"]
-    assert len(charts) == 10
+    assert len(charts) == 11
     for attrs in charts:
         content = json.loads(page.data[f"{attrs['id']}-data"])
         assert content["data"]
