@@ -85,7 +85,8 @@ def _comparison_view(compared: LossComparison, losses: Mapping[str, ContactLoss]
         for match in compared.matches
     ]
     own = compared.reference
-    rows.append((compared.label, str(own.count), str(own.count_over()), *[MISSING] * 4))
+    none = (MISSING, MISSING, MISSING, MISSING)
+    rows.append((compared.label, str(own.count), str(own.count_over()), *none))
     heads = ("", "losses", "≥ 5 ms", "missed", "spurious", "median error", "largest")
     durations = [
         (
