@@ -1,7 +1,8 @@
 """Contact losses on irregular lines: error and cost of each step control, against 0.05 ms.
 
-Five passages of the reference line at 320 km/h. Installation errors cannot be the sixth: at 50 kN/m
-no draw that the droppers can carry makes the pantograph lose contact ten times.
+Five passages of the reference line at 320 km/h. Installation errors are not the sixth: at 50 kN/m
+the draws tried that the droppers can carry (up to 4 mm) make the pantograph lose contact twice at
+most.
 
     python benchmarks/contact_loss.py [--quick] [--json FILE]
 """
