@@ -92,6 +92,12 @@ VALUES = [
     _set("override of nothing", "line.spand=3", "line.spand", "did you mean 'spans'?"),
     _set("malformed override", "line.spans=[1, 2", "line.spans", "malformed"),
     _set("index from zero", "droppers.presag[0]=1 mm", "droppers.presag[0]", "numbered from 1"),
+    _set("tolerance of another step control",
+         "settings.step_control={method: variable, duration_tolerance: 1 ms}",
+         "settings.step_control.duration_tolerance", "'method: adaptive'"),
+    _set("unevenness of a negative length",
+         "irregularities.unevenness=[{kind: bump, position: 9 m, length: -1 m, rise: 1 mm}]",
+         "irregularities.unevenness[1].length", "at least 0.02 m"),
     _set("stitch wire", "line.stitch_wire=18 m", "not modelled yet: stitch wire", "page"),
 ]  # fmt: skip
 FILES = [
@@ -124,6 +130,11 @@ FILES = [
 LINES = [
     Bad("pushing dropper", (*STATIC, "--set", "droppers.presag[5]=70 mm", "--out", "out"),
         ("dropper 5 of span 1, x = 27.50 m, would have to push", "droppers.presag")),
+    Bad("installation that pushes",
+        (*STATIC, "--set", "irregularities.installation={of: height, amplitude: 30 mm}",
+         "--set", "settings.seed=1", "--out", "out"),
+        ("dropper 2 of span 1, x = 10.25 m, would have to push", "irregularities.installation",
+         "settings.seed")),
     Bad("arm without pull", (*STATIC, "--set", "supports.contact_stagger=[0,0,0,0,0]", "--out",
                              "out"),
         ("steady arm at support 2, x = 55.00 m", "supports.contact_stagger")),

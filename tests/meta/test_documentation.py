@@ -63,6 +63,7 @@ def test_every_table_column_is_on_the_page(root: Path) -> None:
         *line_tables.SUPPORT_COLUMNS,
         *line_tables.DROPPER_COLUMNS,
         *line_tables.ROOF_COLUMNS,
+        *line_tables.PROFILE_COLUMNS,
         *measured.COLUMNS,
     )
     assert [column.name for column in columns if f"`{column.name}`" not in text] == []

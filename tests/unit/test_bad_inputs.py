@@ -300,6 +300,100 @@ BAD_VALUES = {
         ),
         ["pantographs[1].roof_motion: give {table: file.csv} alone, or time and height"],
     ),
+    "profile twice": (
+        "irregularities: {unevenness: [{kind: profile, table: wire.csv, x: [0, 1]}]}",
+        ["irregularities.unevenness[1]: give {kind: profile, table: file.csv}, or kind, x and"],
+    ),
+    "missing profile": (
+        "irregularities: {unevenness: [{kind: profile, table: nowhere.csv}]}",
+        ["nowhere.csv: there is no such file; check the path"],
+    ),
+    "uniform errors without amplitude": (
+        "irregularities: {installation: {of: height}}",
+        ["irregularities.installation.amplitude: is missing; 'uniform' needs it"],
+    ),
+    "errors of another distribution": (
+        "irregularities: {installation: {of: height, amplitude: 2 mm, deviation: 1 mm}}",
+        ["irregularities.installation.deviation: does not belong to 'uniform'; leave it out"],
+    ),
+    "errors of height in length mode": (
+        (
+            "droppers: {mode: length, lengths: [1, 1, 1, 1, 1, 1, 1, 1, 1]}\n"
+            "irregularities: {installation: {of: height, amplitude: 2 mm}}"
+        ),
+        ["irregularities.installation.of: got 'height', but droppers.mode 'length'", "length"],
+    ),
+    "too few errors": (
+        "irregularities: {installation: {of: length, distribution: table, values: [1 mm]}}",
+        ["irregularities.installation.values: has 1 values for the 9 droppers of span 1"],
+    ),
+    "too few lists of errors": (
+        "irregularities: {installation: {of: length, distribution: table, values: [[0], [0]]}}",
+        ["irregularities.installation.values: has 2 lists for 17 spans; give one list per span"],
+    ),
+    "errors in metres": (
+        "irregularities: {installation: {of: height, amplitude: 2}}",
+        ["irregularities.installation.amplitude: got 2; must be at most 0.5 m", "'2 mm'"],
+    ),
+    "unevenness of an unknown kind": (
+        "irregularities: {unevenness: [{kind: wavy}]}",
+        ["irregularities.unevenness[1].kind: got 'wavy'; choose 'uniform', 'gaussian'"],
+    ),
+    "spectrum without densities": (
+        (
+            "irregularities: {unevenness: [{kind: spectrum, wavenumbers: [0.1, 2], "
+            "shortest: 0.5 m, longest: 10 m}]}"
+        ),
+        ["irregularities.unevenness[1].densities: is missing; 'spectrum' needs it"],
+    ),
+    "spectrum with too few densities": (
+        (
+            "irregularities: {unevenness: [{kind: spectrum, wavenumbers: [0.1, 2], "
+            "densities: [1e-7], shortest: 0.5 m, longest: 10 m}]}"
+        ),
+        ["unevenness[1].densities: has 1 values for 2 wavenumbers; give one for each"],
+    ),
+    "wavenumbers out of order": (
+        (
+            "irregularities: {unevenness: [{kind: spectrum, wavenumbers: [2, 0.1], "
+            "densities: [1e-7, 1e-7], shortest: 0.5 m, longest: 10 m}]}"
+        ),
+        ["unevenness[1].wavenumbers[2]: got 0.1 after 2; must increase"],
+    ),
+    "wavelengths exchanged": (
+        (
+            "irregularities: {unevenness: [{kind: power law, level: 1e-7, reference: 1, "
+            "exponent: 2, shortest: 6 m, longest: 0.3 m}]}"
+        ),
+        ["unevenness[1].shortest: got 6 m, not below longest, 0.3 m"],
+    ),
+    "bump beyond the line": (
+        "irregularities: {unevenness: [{kind: bump, position: 2 km, length: 1 m, rise: 1 mm}]}",
+        ["irregularities.unevenness[1].position: got 2000 m; the line is 935 m long"],
+    ),
+    "unknown step control": (
+        "settings: {step_control: clever}",
+        ["settings.step_control: got 'clever'; choose 'constant', 'variable' or 'adaptive'"],
+    ),
+    "tolerance of another step control": (
+        "settings: {step_control: {method: constant, gap_tolerance: 0.1 mm}}",
+        ["settings.step_control.gap_tolerance: belongs to 'method: variable', not to 'constant'"],
+    ),
+    "two tolerances": (
+        (
+            "settings: {step_control: {method: variable, gap_tolerance: 0.1 mm, "
+            "force_tolerance: 5 N}}"
+        ),
+        ["settings.step_control.force_tolerance: is given with gap_tolerance; keep one"],
+    ),
+    "duration as a length": (
+        "settings: {step_control: {method: adaptive, duration_tolerance: 0.2 mm}}",
+        ["step_control.duration_tolerance: got '0.2 mm', which is a length; expected a time"],
+    ),
+    "no losses at all": (
+        "settings: {step_control: {method: adaptive, most_losses: 0}}",
+        ["settings.step_control.most_losses: got 0; must be at least 1"],
+    ),
 }
 
 # Whole files that cannot be parsed, and words that the message must contain.

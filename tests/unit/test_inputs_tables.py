@@ -1,4 +1,4 @@
-"""CSV tables of supports, droppers, roof motion and measured runs."""
+"""CSV tables of supports, droppers, profiles, roof motion and measured runs."""
 
 from __future__ import annotations
 
@@ -32,13 +32,15 @@ span;dropper;position;presag [mm]
 3;1;30;-5
 """
 HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"
+SEPARATE = ("roof", "profile")
+"""Tables that are named where their values stand."""
 
 
 def load_with(folder: Path, text: str = "", **tables: str) -> Case:
     """Load a case file beside its tables."""
     for name, content in tables.items():
         (folder / f"{name}.csv").write_text(content, encoding="utf-8")
-    listed = "".join(f"  {name}: {name}.csv\n" for name in tables if name != "roof")
+    listed = "".join(f"  {name}: {name}.csv\n" for name in tables if name not in SEPARATE)
     path = folder / "mine.yaml"
     path.write_text(f"{HEAD}{'tables:' if listed else ''}\n{listed}{text}", encoding="utf-8")
     return load_case(path)
@@ -251,6 +253,39 @@ def test_roof_motion(tmp_path: Path) -> None:
     assert told.endswith(
         "line 3, column 'height': is empty; fill the column or leave all of it empty"
     )
+
+
+PROFILE = "irregularities:\n  unevenness:\n  - {kind: profile, table: profile.csv}\n"
+
+
+def test_profile_of_the_running_surface(tmp_path: Path) -> None:
+    """A measured profile may come from a table, with units in its header."""
+    table = "# measured\nx [km];height [mm]\n0,1;0\n0,2;-1,5\n0,3;2\n"
+    (part,) = load_with(tmp_path, PROFILE, profile=table).irregularities.unevenness
+    assert part.kind == "profile"
+    assert part.x == pytest.approx((100.0, 200.0, 300.0))
+    assert part.height == pytest.approx((0.0, -1.5e-3, 2e-3))
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("x,height\n1,0\n2,\n", "line 3, column 'height': is empty; fill the column"),
+        ("x,height\n1,0\n1,1\n", "line 3, column 'x': got 1 m after 1 m; must increase"),
+        ("x,height\n1,0\n", "has one row; a profile has at least two ordinates"),
+        ("x,height [kg]\n1,0\n", "the unit does not fit; expected a length [m]"),
+        ("x,heigth\n1,0\n", "unknown column 'heigth'; did you mean 'height'?"),
+        ("x,height [mm]\n1,a\n", "line 2, column 'height [mm]': got 'a'; cells hold plain"),
+        (
+            "x,height\n1,0\n2,0.7\n",
+            "unevenness[1].height[2]: got 0.7; must be at most 0.5 m",
+        ),
+    ],
+    ids=range(7),
+)
+def test_bad_profile(table: str, words: str, tmp_path: Path) -> None:
+    """A message names file, line and column of what is wrong with a profile."""
+    assert words in problems_of(tmp_path, PROFILE, profile=table)
 
 
 def measured(folder: Path, text: str) -> Path:

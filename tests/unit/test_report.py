@@ -13,14 +13,26 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tautwire.analyses.contact_loss import contact_loss
 from tautwire.errors import InputError
+from tautwire.model.irregularity import draw_irregularities
 from tautwire.report.page import without_addresses, write_report
 from tautwire.results.run import Run
 
 from .synthetic import make_case, make_elasticity, make_run
 
 SECTIONS = [
-    *("summary", "line", "force", "spectrum", "uplift", "droppers", "elasticity", "inputs"),
+    *(
+        "summary",
+        "line",
+        "force",
+        "losses",
+        "spectrum",
+        "uplift",
+        "droppers",
+        "elasticity",
+        "inputs",
+    ),
     "animation",
 ]
 LARGEST = 15_000_000
@@ -133,14 +145,14 @@ def test_all_sections_are_present(page: _Page) -> None:
 def test_every_figure_has_data_a_caption_and_a_text(page: _Page) -> None:
     """Every chart finds its data, says what it shows, and has a numbered caption."""
     charts = [attrs for _, attrs in page.elements if attrs.get("class") == "chart"]
-    assert len(charts) == 10
+    assert len(charts) == 11
     for attrs in charts:
         content = json.loads(page.data[f"{attrs['id']}-data"])
         assert content["data"]
         assert attrs["role"] == "img"
         assert attrs["aria-label"]
     numbers = [int(n) for n in re.findall(r"Figure (\d+)\.", page.text)]
-    assert numbers == list(range(1, 12))
+    assert numbers == list(range(1, 13))
 
 
 def test_identifiers_are_unique(page: _Page) -> None:
@@ -193,6 +205,68 @@ def test_force_curve_is_not_thinned(page: _Page, run: Run) -> None:
 def test_losses_are_listed(page: _Page) -> None:
     """Each loss of contact has a row with its place."""
     assert page.text.count("dropper 3 of span") >= 2
+
+
+def test_losses_are_told_as_a_surrogate(page: _Page) -> None:
+    """The section counts losses of 5 ms and longer, sorts them into classes, says where its
+    instants come from and that no arc is modelled."""
+    assert "losses of contact" in page.text
+    assert "of 5 ms or longer. The longest lasts" in page.text
+    assert "Losses of contact are a surrogate for measured arcing: no arc is modelled" in page.text
+    assert "5 to 10 ms" in page.text
+    assert "re-contact are interpolated between samples" in page.text
+
+
+def test_longest_losses_are_enlarged(page: _Page, run: Run) -> None:
+    """Each panel shows the unfiltered samples around a loss, and the loss as a bar."""
+    figure = json.loads(page.data["chart-losses-data"])
+    loss = contact_loss(run)[0].events[0]
+    bars = [t for t in figure["data"] if t.get("hovertemplate", "").startswith("lost for")]
+    assert any(bar["x"] == [loss.start, loss.start + loss.duration] for bar in bars)
+    curve = next(t for t in figure["data"] if t["name"] == "unfiltered")
+    time = _unpacked(curve["x"])
+    assert time.min() >= loss.start - 0.0121
+    assert time.max() <= loss.start + loss.duration + 0.0121
+
+
+def test_runs_are_compared_loss_by_loss(run: Run, tmp_path: Path) -> None:
+    """Of two runs of one passage the report says what the first missed and invented against the
+    last; runs at different speeds are not compared."""
+    gap = run.pantographs[0].gap.copy()
+    lost = np.flatnonzero((gap >= 0.0) & (run.pantographs[0].position > 300.0))
+    first = lost[: int(np.argmax(np.diff(lost) > 1)) + 1]
+    gap[first] = -1e-3
+    record = dataclasses.replace(run.pantographs[0], gap=gap)
+    fewer = dataclasses.replace(run, pantographs=(record,))
+    page = _page([fewer, run], tmp_path, labels=["coarse", "fine"])
+    assert "The runs loss by loss" in page.text
+    assert "Against fine" in page.text
+    assert "missed" in page.text
+    faster = make_case(scenario={"speed": 300 / 3.6, "mean_force": 169.0})
+    other = make_run(faster, losses=True)
+    assert "loss by loss" not in _page([other, run], tmp_path).text
+
+
+def test_conditions_name_step_control_and_irregularities(tmp_path: Path) -> None:
+    """The conventions name the step control as it ran, and irregularities with their seed; what was
+    drawn is a figure."""
+    irregularities = {
+        "installation": {"of": "height", "amplitude": 1e-3},
+        "unevenness": [{"kind": "uniform", "spacing": 1.0, "amplitude": 1e-3}],
+    }
+    case = make_case(irregularities=irregularities, settings={"contact_stiffness": 2e5, "seed": 42})
+    plain = make_run(case, losses=True)
+    run = dataclasses.replace(
+        plain,
+        irregularities=draw_irregularities(case),
+        counters={**plain.counters, "step_control": "variable step 1 ms, located to 0.0001 m"},
+    )
+    page = _page(run, tmp_path)
+    assert "variable step 1 ms, located to 0.0001 m" in page.text
+    assert "errors of dropper height (uniform) and unevenness (uniform), seed 42" in page.text
+    assert "chart-irregularities-data" in page.data
+    assert "Irregularities as drawn, seed 42" in page.text
+    assert "irregularities.unevenness[1].amplitude" in page.text
 
 
 def test_animation_has_its_data(page: _Page, run: Run) -> None:

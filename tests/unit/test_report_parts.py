@@ -14,7 +14,7 @@ import pytest
 
 from tautwire.errors import InputError
 from tautwire.report import packing, words
-from tautwire.report.conditions import input_values, source_of
+from tautwire.report.conditions import GROUPS, input_values, source_of
 from tautwire.report.force_figures import passings
 from tautwire.report.tables import (
     dropper_table_csv,
@@ -110,8 +110,7 @@ def test_every_input_is_listed_with_its_unit() -> None:
         return 1
 
     parts = case.to_dict()
-    groups = ("line", "wires", "supports", "droppers", "pantographs", "scenario", "settings")
-    assert len(values) == sum(leaves(parts[name]) for name in groups)
+    assert len(values) == sum(leaves(parts[name]) for name in GROUPS)
 
 
 def test_long_lists_are_shortened() -> None:

@@ -10,14 +10,16 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import numpy as np
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.model.irregularity import draw_irregularities
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import replacing, write_text
-from tautwire.results.run import PantographRecord, Run, Snapshots
+from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.results.storage import (
     load_elasticity,
     load_equilibrium,
@@ -141,6 +143,29 @@ def test_netcdf_library_opens_the_file(stored: Path, run: Run) -> None:
             for variable in group.variables.values():
                 assert variable[...].shape == variable.shape
         assert np.array_equal(data["equilibrium"]["position"][:], run.equilibrium.position)
+
+
+def test_events_and_irregularities_survive(tmp_path: Path) -> None:
+    """Instants of contact and drawn irregularities read back as they were, to the last bit; in the
+    file pantographs are numbered from 1."""
+    irregularities = {
+        "installation": {"of": "length", "amplitude": 1e-3},
+        "unevenness": [{"kind": "gaussian", "spacing": 1.0, "deviation": 1e-3}],
+    }
+    case = make_case(spans=3, irregularities=irregularities)
+    events = ContactEvents(np.array([0.1, 0.25]), np.array([0, 1]), np.array([True, False]))
+    plain = make_run(case, duration=0.3)
+    run = dataclasses.replace(plain, events=events, irregularities=draw_irregularities(case))
+    save_run(run, tmp_path / "run.nc")
+    loaded = load_run(tmp_path / "run.nc")
+    assert _same(loaded.events, events)
+    assert _same(loaded.irregularities, run.irregularities)
+    save_run(plain, tmp_path / "plain.nc")
+    assert load_run(tmp_path / "plain.nc").events is None
+    assert load_run(tmp_path / "plain.nc").irregularities is None
+    with h5netcdf.File(tmp_path / "run.nc", "r") as file:
+        assert list(file["events"]["pantograph"][:]) == [1, 2]
+        assert file["irregularities"]["surface_height"].attrs["units"] == "m"
 
 
 def test_partial_run_survives(tmp_path: Path) -> None:

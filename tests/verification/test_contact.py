@@ -160,3 +160,23 @@ def test_pantograph_momentum_balance() -> None:
     )
     assert step == pytest.approx(middle, abs=1e-11)
     assert np.ptp(block.stages) > 1e-3
+
+
+def test_momentum_balance_with_changing_steps() -> None:
+    """The same balance holds exactly when every step has another size: changing the step gives and
+    takes no momentum."""
+    case = ac_simple(line__spans=2, settings__section=(1, 1))
+    system, (benchmark,) = entering(case)
+    given = moved(benchmark, chain=one_stage(16.0))
+    run = stepper(system, 1e-3, pantographs=(given,), tolerance=1e-12)
+    sizes = 1e-3 / 2.0 ** np.random.default_rng(2).integers(0, 4, 120)
+    blocks = [run.advance(1, float(size)) for size in sizes]
+    force = np.array([block.contact_force[0, 0] for block in blocks])
+    height = np.array([0.0, *(block.stages[0, 0] for block in blocks)])
+    net = np.array([given.external(block.time[0])[0] for block in blocks]) - force
+    acceleration = np.concatenate([[0.0], net]) / 16.0
+    mean = 0.5 * (acceleration[1:] + acceleration[:-1])
+    velocity = np.concatenate([[0.0], np.cumsum(sizes * mean)])
+    step = sizes * velocity[:-1] + 0.5 * sizes**2 * mean
+    assert np.diff(height) == pytest.approx(step, abs=1e-11)
+    assert force.max() > 1.0

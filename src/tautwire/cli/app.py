@@ -217,6 +217,33 @@ def report(
 
 
 @app.command()
+def losses(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN.nc",
+            help="Results of \"tautwire run\"; several are compared with the last one.",
+        ),
+    ],
+    pantograph: Annotated[
+        str | None,
+        typer.Option(
+            "--pantograph", metavar="NAME", help="The leading one by default.", show_default=False
+        ),
+    ] = None,
+    counted: Annotated[
+        bool, typer.Option("--counted", help="Count lost samples, each as one time step.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """List the losses of contact of a run, or compare those of several runs one by one."""
+    with answering(as_json) as answer:
+        from tautwire.cli.loss_command import show_losses
+
+        show_losses(answer, runs, pantograph, counted=counted)
+
+
+@app.command()
 def compare(
     run_file: Annotated[
         Path, typer.Argument(metavar="RUN.nc", help="Result of \"tautwire run\".")

@@ -17,6 +17,7 @@ from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
 from tautwire.specs.case import Case
+from tautwire.specs.irregularity import Irregularities
 
 COST = (
     "dof",
@@ -30,7 +31,7 @@ COST = (
 )
 
 
-def conventions(case: Case, backend: str, integrator: str | None = None) -> dict[str, Any]:
+def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, Any]:
     """Return the choices without which two results cannot be compared.
 
     Parameters
@@ -38,12 +39,13 @@ def conventions(case: Case, backend: str, integrator: str | None = None) -> dict
     case : Case
     backend : str
         Kernels in use.
-    integrator : str, optional
-        As it was used; by default as the case says.
+    run : Run, optional
+        What was computed; without it the choices of the case are named.
     """
     ends, settings = case.line.ends, case.settings
     method = settings.integrator
     chosen = HHT(method.alpha) if method.method == "hht" else Newmark()
+    used = {} if run is None else run.counters
     return {
         "closure": case.supports.closure,
         "ends": ends.left if ends.left == ends.right else {"left": ends.left, "right": ends.right},
@@ -51,7 +53,8 @@ def conventions(case: Case, backend: str, integrator: str | None = None) -> dict
         "messenger_longitudinal": case.supports.messenger_longitudinal,
         "nodes_between_droppers": settings.nodes_between_droppers,
         "time_step_s": settings.time_step,
-        "integrator": integrator or chosen.describe(),
+        "step_control": used.get("step_control", settings.step_control.method),
+        "integrator": used.get("integrator", chosen.describe()),
         "backend": backend,
         "damping": {
             "mass_1_per_s": case.line.damping.mass,
@@ -59,6 +62,8 @@ def conventions(case: Case, backend: str, integrator: str | None = None) -> dict
         },
         "filter_order": settings.filter_order,
         "headline_filter": settings.filter,
+        "is_irregular": case.irregularities != Irregularities(),
+        "seed": settings.seed,
     }
 
 
@@ -158,7 +163,7 @@ def run_document(
         "version": __version__,
         "status": run.status,
         "message": run.message,
-        "conventions": conventions(case, backend, run.counters.get("integrator")),
+        "conventions": conventions(case, backend, run),
         "warnings": list(warnings),
         "speed_kmh": round(3.6 * case.scenario.speed, 9),
         "direction": case.scenario.direction,

@@ -24,6 +24,7 @@ from tautwire.errors import InputError
 from tautwire.inputs.measured import read_measured
 from tautwire.report.words import MISSING, number, readable
 from tautwire.results.files import write_text
+from tautwire.results.run import Run
 from tautwire.results.storage import load_elasticity, load_run
 from tautwire.units import UnitError, parse_quantity
 
@@ -36,19 +37,11 @@ def report_runs(
 
     limits = ReportLimits.of(system, free_uplift)
     _refuse_unwritable(out)
-    problems: list[str] = []
-    loaded = []
-    for path in paths:
-        try:
-            loaded.append((load_run(path), load_elasticity(path)))
-        except InputError as error:
-            problems += error.problems
-    if problems:
-        raise InputError(problems)
+    runs = load_runs(paths)
     written = write_report(
-        [run for run, _ in loaded],
+        runs,
         out,
-        [elasticity for _, elasticity in loaded],
+        [load_elasticity(path) for path in paths],
         system=limits.system,
         free_uplift=limits.free_uplift,
     )
@@ -63,11 +56,31 @@ def report_runs(
                     "status": run.status,
                     "speed_kmh": round(3.6 * run.case.scenario.speed, 9),
                 }
-                for path, (run, _) in zip(paths, loaded, strict=True)
+                for path, run in zip(paths, runs, strict=True)
             ],
         }
     )
     answer.show(f"{written} written")
+
+
+def load_runs(paths: Sequence[Path]) -> list[Run]:
+    """Load stored runs.
+
+    Raises
+    ------
+    InputError
+        With every file that cannot be used.
+    """
+    problems: list[str] = []
+    runs: list[Run] = []
+    for path in paths:
+        try:
+            runs.append(load_run(path))
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return runs
 
 
 @dataclass(frozen=True)

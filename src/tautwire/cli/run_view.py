@@ -12,6 +12,7 @@ from tautwire.assessment.references import (
     compare_with_reference,
     load_references,
 )
+from tautwire.cli.loss_view import loss_view
 from tautwire.cli.progress import duration
 from tautwire.cli.tables import batched, facts, heading, table
 from tautwire.inputs.overrides import OVERRIDDEN
@@ -20,6 +21,8 @@ from tautwire.results.run import Run
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 
+MOST_LOSSES = 10
+"""Losses of contact of one pantograph that are listed."""
 MOST_COLUMNS = 4
 """Columns of numbers that a table may have before another one is begun."""
 
@@ -43,6 +46,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         *(_force_table(columns) for columns in batched(_columns(statistics), MOST_COLUMNS)),
         heading("Passage", _uplift(statistics)),
         *(_passage_table(some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
+        *_losses(statistics),
         heading("Limits", "unverified: nobody compared the limit with the standard's text"),
         _check_table(checks, many=len(run.pantographs) > 1),
     ]
@@ -65,6 +69,7 @@ def _facts(run: Run, statistics: RunStatistics) -> Any:
             ("set for this run", ", ".join(changed) or "nothing"),
             ("headline filter", statistics.pantographs[0].headline.description),
             ("work", work),
+            ("step control", str(counters.get("step_control", ""))),
             ("backend", str(counters.get("backend", ""))),
         ]
     )  # fmt: skip
@@ -112,11 +117,18 @@ def _passage_table(entries: Sequence[PantographStatistics]) -> Any:
         ("uplift force", *(quantity(entry.uplift_force, "N", 2) for entry in entries)),
         ("tuned to a mean of", *(_target(entry) for entry in entries)),
         ("contact losses", *(str(loss.count) for loss in losses)),
+        ("5 ms or longer", *(str(loss.count_over()) for loss in losses)),
         ("share of time", *(quantity(loss.percent, "%", 3) for loss in losses)),
         ("longest", *(quantity(1e3 * loss.longest, "ms") for loss in losses)),
     ]
     heads = ("", *(entry.name for entry in entries))
     return table(heads, "l" + "r" * len(entries), rows)
+
+
+def _losses(statistics: RunStatistics) -> list[Any]:
+    """List the longest losses of every pantograph that lost contact."""
+    lost = [entry.contact_loss for entry in statistics.pantographs if entry.contact_loss.count]
+    return [part for loss in lost for part in loss_view(loss, MOST_LOSSES)]
 
 
 def _target(entry: PantographStatistics) -> str:

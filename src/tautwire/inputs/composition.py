@@ -16,6 +16,7 @@ from tautwire.inputs.files import did_you_mean, neighbours, read_case_text
 from tautwire.inputs.line_tables import (
     Overlay,
     read_dropper_table,
+    read_profile_table,
     read_roof_table,
     read_support_table,
 )
@@ -34,6 +35,7 @@ _TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
     "supports": (read_support_table, ("line", "supports")),
     "droppers": (read_dropper_table, ("droppers",)),
 }
+_UNEVENNESS = ("irregularities", "unevenness")
 
 
 @dataclass(frozen=True)
@@ -205,8 +207,10 @@ class _Composer:
         """Compose one value; the part holds it under the last step of its path."""
         key = str(at[-1])
         if isinstance(value, Mapping):
-            if at[-1] == "roof_motion" and "table" in value:
+            if "table" in value and at[-1] == "roof_motion":
                 return _Part({key: self._roof(value, at, document)}, [])
+            if "table" in value and at[:2] == _UNEVENNESS:
+                return _Part({key: self._profile(value, at, document)}, [])
             part = self._mapping(value, at, document, trail)
             return _Part({key: part.values}, part.sources)
         if isinstance(value, list):
@@ -222,8 +226,28 @@ class _Composer:
                 f"{document.label}: {format_path(at)}: give {{table: file.csv}} alone, or time "
                 "and height"
             )
+        return self._columns(read_roof_table, table, at, document)
+
+    def _profile(self, value: Mapping[str, Any], at: ValuePath, document: Document) -> Any:
+        table = value["table"]
+        if not isinstance(table, str) or value.get("kind") != "profile" or len(value) > 2:
+            raise InputError(
+                f"{document.label}: {format_path(at)}: give {{kind: profile, table: file.csv}}, or "
+                "kind, x and height"
+            )
+        columns = self._columns(read_profile_table, table, at, document)
+        return {"kind": "profile", **columns} if columns else None
+
+    def _columns(
+        self,
+        read: Callable[[Path], dict[str, list[float]]],
+        table: str,
+        at: ValuePath,
+        document: Document,
+    ) -> dict[str, list[float]] | None:
+        """Read a table that stands for the columns of a mapping; None when it cannot be used."""
         try:
-            return read_roof_table((document.folder or Path()) / table)
+            return read((document.folder or Path()) / table)
         except InputError as error:
             self.result.problems += error.problems
             self.result.incomplete.add(str(at[0]))

@@ -1,4 +1,4 @@
-"""Tables that describe a line: supports, droppers, and the motion of a roof."""
+"""Tables that describe a line: supports, droppers, running surface, and the motion of a roof."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ DROPPER_COLUMNS = (
     Column("length", "m"),
 )
 ROOF_COLUMNS = (Column("time", "s", required=True), Column("height", "m", required=True))
+PROFILE_COLUMNS = (Column("x", "m", required=True), Column("height", "m", required=True))
 
 
 @dataclass(frozen=True)
@@ -125,10 +126,33 @@ def read_roof_table(path: Path) -> dict[str, list[float]]:
     InputError
         Naming line and column of everything that is wrong.
     """
-    table = read_table(path, ROOF_COLUMNS)
-    motion = {name: table.full_column(name) for name in ("time", "height")}
+    return _columns(read_table(path, ROOF_COLUMNS), ROOF_COLUMNS)
+
+
+def read_profile_table(path: Path) -> dict[str, list[float]]:
+    """Read a measured profile of the running surface: columns ``x`` and ``height``.
+
+    Raises
+    ------
+    InputError
+        Naming line and column of everything that is wrong.
+    """
+    table = read_table(path, PROFILE_COLUMNS)
+    x = table.full_column("x")
+    if len(x) < 2:
+        table.problems.append(f"{path}: has one row; a profile has at least two ordinates")
+    for row, (before, after) in enumerate(pairwise(x), start=1):
+        if after <= before:
+            table.complain(row, "x", f"got {after:g} m after {before:g} m; must increase")
+            break
+    return _columns(table, PROFILE_COLUMNS)
+
+
+def _columns(table: Table, columns: Sequence[Column]) -> dict[str, list[float]]:
+    """Return complete columns by name."""
+    values = {column.name: table.full_column(column.name) for column in columns}
     table.raise_problems()
-    return motion
+    return values
 
 
 def _check_count(table: Table, name: str, numbers: Sequence[float]) -> None:

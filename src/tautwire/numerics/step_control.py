@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.crossings import Crossing, divide_step
@@ -167,8 +168,9 @@ class VariableStep:
             status = block.status
             if len(block.time):
                 gap = block.gap[-1]
-            if block.refused_gap is not None and gap is not None:
-                divided = divide_step(task.stepper, self.time_step, gap, tolerance)
+            if block.refused_gap is not None:
+                before = np.full_like(block.refused_gap, np.nan) if gap is None else gap
+                divided = divide_step(task.stepper, self.time_step, before, tolerance)
                 crossings += divided.crossings
                 status = divided.status
                 if status is Status.RUNNING:

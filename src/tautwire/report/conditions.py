@@ -1,4 +1,4 @@
-"""Section 8: inputs with source and confidence, conventions, cost and provenance."""
+"""Section of the inputs with source and confidence, conventions, cost and provenance."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from pydantic import BaseModel
 
 from tautwire.report.blocks import Cell, Columns, Details, Heading, Section, Table, Text
 from tautwire.report.views import RunView
-from tautwire.report.words import compact, counted, number, quantity
+from tautwire.report.words import compact, counted, listing, number, quantity
 from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 
-GROUPS = ("line", "wires", "supports", "droppers", "pantographs", "scenario", "settings")
+GROUPS = ("line", "wires", "supports", "droppers", "irregularities", "pantographs", "scenario",
+          "settings")  # fmt: skip
 LONG = 12
 """Lists with more items than this are shortened."""
 
@@ -70,6 +71,8 @@ def _conventions(view: RunView) -> dict[str, str]:
         "messenger wire along the track": supports.messenger_longitudinal,
         "nodes between droppers (NAD)": str(settings.nodes_between_droppers),
         "time step": f"{1e3 * settings.time_step:g} ms",
+        "step control": str(view.run.counters.get("step_control", settings.step_control.method)),
+        "irregularities": _irregularities(view),
         "integrator": method.get(integrator.method, integrator.method),
         "damping": f"{line.damping.mass:g} 1/s · M + {line.damping.stiffness:g} s · K",
         "uplift force": prescribed if tuned is None else f"tuned to a mean of {tuned:.2f} N",
@@ -79,6 +82,18 @@ def _conventions(view: RunView) -> dict[str, str]:
         "running direction": case.scenario.direction,
         "backend": str(view.run.counters.get("backend", settings.backend)),
     }
+
+
+def _irregularities(view: RunView) -> str:
+    """Name the irregularities of a run with their seed."""
+    spec, parts = view.run.case.irregularities, []
+    if spec.installation is not None:
+        word = spec.installation.distribution
+        parts.append(f"errors of dropper {spec.installation.of} ({word})")
+    if spec.unevenness:
+        kinds = listing(list(dict.fromkeys(part.kind for part in spec.unevenness)))
+        parts.append(f"unevenness ({kinds})")
+    return f"{listing(parts)}, seed {view.run.case.settings.seed}" if parts else "none"
 
 
 def leaves(spec: BaseModel, path: str = "") -> Iterator[tuple[str, Any, str]]:

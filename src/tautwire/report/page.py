@@ -14,6 +14,7 @@ from tautwire.errors import InputError
 from tautwire.report import sections
 from tautwire.report.blocks import Animation, Section
 from tautwire.report.conditions import conditions_section
+from tautwire.report.losses import loss_section
 from tautwire.report.summary import run_checks, summary_section
 from tautwire.report.views import RunView, labels_of, prepare
 from tautwire.report.words import listing, speed
@@ -81,6 +82,7 @@ def write_report(
         summary_section(views, found),
         sections.line_section(views),
         sections.force_section(views),
+        loss_section(views),
         sections.spectrum_section(views),
         sections.uplift_section(views),
         sections.dropper_section(views),

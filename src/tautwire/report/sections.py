@@ -1,4 +1,4 @@
-"""Sections 2 to 7 and 9: the line, force, spectrum, uplift, droppers, elasticity, animation."""
+"""Sections of the line, force, spectrum, uplift, droppers, elasticity and animation."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ from tautwire.report.blocks import (
     Button,
     Chart,
     Details,
-    Heading,
     Pair,
     Section,
     Table,
     Text,
 )
-from tautwire.report.summary import statistics_of
+from tautwire.report.loss_figures import irregularity_figure
 from tautwire.report.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
@@ -51,7 +50,7 @@ def chart(
 
 
 def line_section(views: Sequence[RunView]) -> Section:
-    """Write section 2: the static line of the first run."""
+    """Write the section of the static line of the first run."""
     view = views[0]
     shape = view.run.equilibrium
     which = f" Shown: {view.label}." if len(views) > 1 else ""
@@ -69,6 +68,7 @@ def line_section(views: Sequence[RunView]) -> Section:
     ]
     if shape.arm_supports.size:
         blocks.append(Details("Steady arms: forces and inclination", (_arm_table(shape),)))
+    blocks += _irregularity_blocks(views)
     blocks.append(
         Text(
             f"Weight of the line {quantity(shape.weight, 'N', 2)}, sum of the vertical support "
@@ -78,6 +78,25 @@ def line_section(views: Sequence[RunView]) -> Section:
         )
     )
     return Section("line", "The line", tuple(blocks))
+
+
+def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
+    """Show what was drawn for the first run that has irregularities."""
+    view = next((view for view in views if view.run.irregularities is not None), None)
+    if view is None or view.run.irregularities is None:
+        return []
+    which = f" Shown: {view.label}." if len(views) > 1 else ""
+    return [
+        chart(
+            "irregularities",
+            irregularity_figure(view, view.run.irregularities),
+            "Irregularities as drawn, seed "
+            f"{view.run.irregularities.seed}: errors of installation change the static shape, "
+            f"unevenness of the running surface acts between wire and head.{which}",
+            "Depth of the running surface, its unevenness and errors of installation.",
+            position_buttons(view),
+        )
+    ]
 
 
 def position_buttons(view: RunView) -> tuple[Button, ...]:
@@ -152,7 +171,7 @@ def window_caption(views: Sequence[RunView]) -> str:
 
 
 def force_section(views: Sequence[RunView]) -> Section:
-    """Write section 3: the force over position, its distribution, the spans one by one."""
+    """Write the section of the force over position, its distribution, the spans one by one."""
     filters, window = filters_caption(views), window_caption(views)
     shaded = "shaded" if len({view.section for view in views}) == 1 else "shaded for the first run"
     low = "; ".join(dict.fromkeys(view.lowpass.describe() for view in views))
@@ -182,37 +201,12 @@ def force_section(views: Sequence[RunView]) -> Section:
                 "Share of time per class of contact force beside a normal distribution.",
             ),
         ),
-        *_loss_blocks(views),
     ]
     return Section("force", "Contact force", tuple(blocks))
 
 
-def _loss_blocks(views: Sequence[RunView]) -> list[object]:
-    rows = [
-        (
-            item.label or item.force.name,
-            number(event.start, 4),
-            number(1e3 * event.duration, 2),
-            number(event.position, 2),
-            event.place,
-        )
-        for item in series(views)
-        for event in statistics_of(item).contact_loss.events
-    ]
-    if not rows:
-        return [Text("No loss of contact in the analysed section.", "note")]
-    more = f" The first {MOST_ROWS} of {len(rows)}." if len(rows) > MOST_ROWS else ""
-    table = Table(
-        f"Losses of contact in the analysed section, from the unfiltered gap.{more}",
-        ("pantograph", "start [s]", "duration [ms]", "position [m]", "nearest"),
-        "lrrrl",
-        tuple(rows[:MOST_ROWS]),
-    )
-    return [Heading("Losses of contact"), table]
-
-
 def spectrum_section(views: Sequence[RunView]) -> Section:
-    """Write section 4."""
+    """Write the section of the spectrum."""
     highest = force_figures.HIGHEST
     buttons = tuple(Button(f"0–{f:g} Hz", 0.0, f) for f in (20.0, 50.0, 100.0, highest))
     speeds = {view.run.case.scenario.speed for view in views}
@@ -235,7 +229,7 @@ def spectrum_section(views: Sequence[RunView]) -> Section:
 
 
 def uplift_section(views: Sequence[RunView]) -> Section:
-    """Write section 5: uplift at supports and height of the contact point."""
+    """Write the section of the uplift at supports and height of the contact point."""
     blocks = (
         Pair(
             chart(
@@ -265,7 +259,7 @@ def uplift_section(views: Sequence[RunView]) -> Section:
 
 
 def dropper_section(views: Sequence[RunView]) -> Section:
-    """Write section 6: ranges of the dropper forces and slack time."""
+    """Write the section of the dropper forces and slack time."""
     if not views[0].run.equilibrium.dropper_x.size:
         return Section("droppers", "Droppers", (Text("The line has no droppers."),))
     blocks: list[object] = [
@@ -298,7 +292,7 @@ def dropper_section(views: Sequence[RunView]) -> Section:
 
 
 def elasticity_section(views: Sequence[RunView]) -> Section:
-    """Write section 7."""
+    """Write the section of the elasticity."""
     given = [(view.label, view.elasticity) for view in views if view.elasticity is not None]
     if not given:
         text = "The elasticity was not computed with this run; “tautwire static” computes it."
@@ -326,7 +320,7 @@ def elasticity_section(views: Sequence[RunView]) -> Section:
 
 
 def animation_section(views: Sequence[RunView]) -> Section:
-    """Write section 9."""
+    """Write the section of the animation."""
     usable = animation.filmed(views)
     if not usable:
         text = Text("There is nothing to show: no pantograph moved under the line.")

@@ -1,4 +1,4 @@
-"""Section 1: the result in words, key numbers, statistics, limits and published results."""
+"""First section: the result in words, key numbers, statistics, limits and published results."""
 
 from __future__ import annotations
 

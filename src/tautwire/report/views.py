@@ -193,7 +193,7 @@ def _distinctions(run: Run) -> dict[str, str]:
         "stiffness": f"{1e-3 * case.settings.contact_stiffness:g} kN/m",
         "pantographs": f"{count} pantograph{'s' if count > 1 else ''}",
         "mesh": f"NAD {case.settings.nodes_between_droppers}",
-        "step": f"{1e3 * case.settings.time_step:g} ms",
+        "step": _step(run),
         "integrator": case.settings.integrator.method,
         "closure": f"closure {case.supports.closure}",
         "ends": ends[0] if ends[0] == ends[1] else "/".join(ends),
@@ -203,6 +203,14 @@ def _distinctions(run: Run) -> dict[str, str]:
         "spans": f"{line.spans} spans",
         "backend": str(run.counters.get("backend", "")),
     }
+
+
+def _step(run: Run) -> str:
+    """Return step and step control as a label: ``"1 ms"``, ``"adaptive 1 ms"``."""
+    settings = run.case.settings
+    size = 1e3 * float(run.counters.get("time_step", settings.time_step))
+    method = str(run.counters.get("step_control", settings.step_control.method)).split()[0]
+    return f"{size:g} ms" if method == "constant" else f"{method} {size:g} ms"
 
 
 def _force_view(run: Run, name: str, lowpass: Lowpass) -> ForceView:
