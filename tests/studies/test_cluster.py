@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -17,8 +18,10 @@ import pytest
 
 from tautwire.errors import InputError
 from tautwire.studies.cluster import DaskCluster
-from tautwire.studies.executor import LocalWorkers, StudyError
+from tautwire.studies.executor import Event, LocalWorkers, StudyError
+from tautwire.studies.plan import plan_study
 from tautwire.studies.run import Options, StudyProgress, run_study
+from tautwire.studies.task import Job
 
 from .conftest import HERE, Place, seeds
 
@@ -112,6 +115,58 @@ def test_killed_cluster_worker(cluster: Cluster, place: Place) -> None:
     begun = place.noted("begin")
     assert set(begun) == set(range(12))
     assert begun.total() <= 14
+
+
+def _kill_holder(cluster: Cluster) -> None:
+    """Wait for a finished result and kill -9 the worker that holds it."""
+    from distributed import Client
+
+    end = time.monotonic() + 30.0
+    with Client(cluster.address, timeout=5, set_as_default=False) as client:
+        pids = client.run(os.getpid)
+        while time.monotonic() < end:
+            held = [address for own in client.who_has().values() for address in own]
+            if held:
+                os.kill(pids[held[0]], signal.SIGKILL)
+                return
+            time.sleep(0.02)
+    pytest.fail("no case was finished")
+
+
+def test_worker_killed_with_a_finished_result(cluster: Cluster, place: Place) -> None:
+    """kill -9 of a worker that holds a result nobody has fetched: computed again by the other."""
+    study = plan_study(seeds(1))
+    [point] = study.points
+    executor = DaskCluster(cluster.address, place.folder, timeout=5.0)
+    events: list[Event] = []
+    with executor:
+        executor.submit(Job(point.key, study.case(point).to_dict(), "slow_tasks:nap"))
+        _kill_holder(cluster)
+        end = time.monotonic() + 60.0
+        while not any(e.kind == "finished" for e in events) and time.monotonic() < end:
+            event = executor.next(0.2)
+            events += [event] if event is not None else []
+    assert [e.status for e in events if e.kind == "finished"] == ["done"]
+    assert place.rows() == 1
+    assert place.noted("end")[0] >= 2
+
+
+def test_worker_killed_while_results_wait(cluster: Cluster, place: Place) -> None:
+    """A study goes on with one worker when the other dies holding results it has not fetched."""
+    killed: list[int] = []
+
+    def kill_once(progress: StudyProgress) -> bool:
+        if progress.computed >= 2 and not killed:
+            time.sleep(0.5)  # both workers now hold results that were not fetched
+            cluster.workers[1].kill()
+            killed.append(progress.computed)
+        return False
+
+    executor = DaskCluster(cluster.address, place.folder)
+    table = run_study(seeds(12), place.folder, executor=executor, options=NAP, watch=kill_once)
+    assert killed
+    assert table.counts()["done"] == 12
+    assert np.array_equal(table["square"].values, np.arange(12.0) ** 2)
 
 
 def test_killed_scheduler(cluster: Cluster, place: Place) -> None:
