@@ -29,13 +29,14 @@ from tautwire.reproductions.song2021.claims import (
     Claim,
     counts,
 )
-from tautwire.reproductions.song2021.page_high import sources_section, steps_section
+from tautwire.reproductions.song2021.page_high import sources_section
 from tautwire.reproductions.song2021.page_model import (
     mesh_section,
     model_section,
     readings_section,
     stiffness_section,
 )
+from tautwire.reproductions.song2021.page_steps import steps_section
 
 if TYPE_CHECKING:
     from tautwire.reproductions.song2021.reproduction import SongRecord
