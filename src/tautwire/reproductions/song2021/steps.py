@@ -184,7 +184,7 @@ def is_better(trial: Trial, way: str, other: str) -> float:
     if len(both) < 5:
         return float("nan")
     first, second = ([errors[label][key] for key in both] for label in (way, other))
-    return float(wilcoxon(first, second, alternative="less")[1])
+    return float(np.asarray(wilcoxon(first, second, alternative="less"))[1])
 
 
 def published_errors(column: tuple[float | None, ...]) -> tuple[float, float, int]:
