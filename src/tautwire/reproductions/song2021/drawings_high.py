@@ -45,7 +45,7 @@ def source_spectra(found: sources.Sources) -> Figure:
             "multiples of 1/span", own.abscissa[low], scale * own.value[low], 0, "lines+markers",
             1.0,
         )  # fmt: skip
-        more = {"type": "log", "exponentformat": "power"}
+        more = {"type": "log", "exponentformat": "power", "dtick": 1}
         title = f"({letter}) {label if is_presag else f'contact force at {label}'}"
         panels.append(Panel(title, [curve], f"amplitude [{unit}]", (0.05, 1.1), marks, more))
     return panel_figure(panels, "wave number [1/m]", 250, shared=True)
@@ -54,7 +54,7 @@ def source_spectra(found: sources.Sources) -> Figure:
 def mode(found: Found) -> Figure:
     """Draw Figs 13 and 14: shape of the contact wire and its spectrum."""
     shape = Curve("contact wire", found.x, found.shape, 0, width=1.0)
-    spectrum = Curve("spectrum", found.wavenumber, found.amplitude, 1)
+    spectrum = Curve("spectrum", found.wavenumber, found.amplitude, 1, dash="solid")
     marks = {f"{found.name} = {found.wanted:.4g} m": 1.0 / found.wanted}
     panels = [
         Panel("(a) vertical shape over the track [m]", [shape], "shape [1]"),

@@ -54,10 +54,10 @@ def separation(trial: Trial, when: float) -> Figure:
     line = slice(first, first + 2)
     divided = [(begin, -1e6 * variable.gap[at]), (located, 0.0), (end, -1e6 * variable.gap[at + 1])]
     curves = [
-        _depth("1 ms, undivided", coarse, begin, 0, mode="lines+markers"),
-        Curve("line through the undivided step", 1e3 * (coarse.time[line] - begin),
+        _depth("1 ms", coarse, begin, 0, mode="lines+markers"),
+        Curve("line through the step", 1e3 * (coarse.time[line] - begin),
               -1e6 * coarse.gap[line], 1, width=3.0),
-        Curve("divided step: begin, located instant, end", [1e3 * (t - begin) for t, _ in divided],
+        Curve("divided step", [1e3 * (t - begin) for t, _ in divided],
               [depth for _, depth in divided], 2, "markers"),
         _depth("0.05 ms", trial.runs[FINEST], begin, 3, width=1.0),
     ]  # fmt: skip
@@ -100,9 +100,9 @@ def irregular_presag(
                 x, trial.drawn.surface_x, trial.drawn.surface_height
             )
         name = "heights at droppers" if trial.kind == HEIGHTS else "running surface"
-        curves = [Curve("ideal", x, level, 0), Curve(name, x, heights, number)]
+        curves = [Curve("ideal", x, level, 0), Curve(name, x, heights, number, dash="solid")]
         panels.append(Panel(f"{name}, seed {trial.drawn.seed}", curves, SAG, section))
-        deviations.append(Curve(name, x, heights - level, number, width=1.0))
+        deviations.append(Curve(name, x, heights - level, number, width=1.0, dash="solid"))
     panels.append(Panel("deviation from the ideal line", deviations, "deviation [mm]", section))
     return panel_figure(panels, POSITION, 230, shared=True)
 
@@ -117,7 +117,7 @@ def step_forces(trial: Trial, whens: Sequence[float]) -> Figure:
         When the enlarged losses begin [s].
     """
     curves = [
-        Curve(label, trial.runs[step].time, trial.runs[step].force, number, width=1.0)
+        Curve(label, trial.runs[step].time, trial.runs[step].force, number, width=0.8, dash="solid")
         for number, (step, label) in enumerate(LABELS.items())
     ]
     time = trial.runs[COARSE].time
@@ -134,7 +134,7 @@ def _cut(curve: Curve, when: float) -> Curve:
     x, y = np.asarray(curve.x), np.asarray(curve.y)
     near = np.abs(x - when) <= 3.0 * AROUND
     mode = "lines+markers" if curve.look < 2 else "lines"
-    return Curve(curve.name, x[near], y[near], curve.look, mode, curve.width)
+    return Curve(curve.name, x[near], y[near], curve.look, mode, 1.2, "solid")
 
 
 def telling_losses(trial: Trial) -> tuple[float, ...]:
@@ -148,6 +148,8 @@ def telling_losses(trial: Trial) -> tuple[float, ...]:
     if not match.judged:
         return ()
     longest = max(match.judged, key=lambda pair: pair.reference.duration).reference
-    worst = max(match.judged, key=lambda pair: pair.error).reference
-    missed = max(match.missed, key=lambda event: event.duration, default=worst)
-    return tuple(dict.fromkeys((longest.start, missed.start)))
+    others = [e for e in match.missed if abs(e.start - longest.start) > 3.0 * AROUND]
+    if not others:
+        pairs = sorted(match.judged, key=lambda pair: pair.error)
+        others = [p.reference for p in pairs if abs(p.reference.start - longest.start) > 3 * AROUND]
+    return longest.start, *(event.start for event in others[-1:])

@@ -27,7 +27,7 @@ MESH = 9
 
 IRREGULARITIES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     HEIGHTS: (
-        "dropper heights wrong by up to 2 mm",
+        "heights ±2 mm",
         {
             "irregularities.installation": {
                 "of": "height",
@@ -37,7 +37,7 @@ IRREGULARITIES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
         },
     ),
     SURFACE: (
-        "running surface uneven by up to 1 mm every 0.7 m",
+        "surface ±1 mm",
         {
             "irregularities.unevenness": [
                 {"kind": "uniform", "spacing": "0.7 m", "amplitude": "1 mm"}

@@ -102,32 +102,35 @@ def _control_table(modes: Mapping[str, vibration.Found]) -> Table:
         for found in every:
             numbers = found.numbers
             cells = (
-                (number(numbers["frequency"], 2), number(numbers["wavelength"], 3),
-                 number(numbers["participation"], 2), number(numbers["concentration"], 2),
-                 number(found.score, 3))
+                (number(numbers["frequency"], 2), number(numbers["participation"], 2),
+                 number(numbers["concentration"], 2), number(found.score, 3))
                 if numbers
-                else (MISSING,) * 5
+                else (MISSING,) * 4
             )  # fmt: skip
             rows.append(
-                (found.name, number(found.wanted, 3), str(found.searched), str(found.sensitive),
-                 *cells)
+                (_unbroken(found.name), number(found.wanted, 3),
+                 _unbroken(f"{found.sensitive} of {found.searched}"), *cells)
             )  # fmt: skip
     return Table(
         "Modes sensitive to the line's own lengths, and to control wavelengths that mean nothing "
         "to it. Sensitive: the spectrum of the contact wire peaks within 1 % of the wavelength. "
         "Participation: share of the vertical contact wire in the kinetic energy; concentration: "
         "share of the spectrum within 5 % of the wavelength; score: their product.",
-        ("length", "wanted [m]", "modes searched", "sensitive", "best mode [Hz]", "its wavelength "
-         "[m]", "participation", "concentration", "score"),
-        "lrrrrrrrr",
+        ("length", "[m]", "sensitive modes", "best [Hz]", "participation", "concentration",
+         "score"),
+        "lrrrrrr",
         tuple(rows),
     )  # fmt: skip
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _cutoff_table(material: Material) -> Table:
     rows = tuple(
         (
-            name.replace(" ", "\N{NO-BREAK SPACE}"),
+            _unbroken(name),
             f"{speed}",
             f"{published.CUTOFFS[speed]:g}",
             number(float(own.cutoff[i]), 2),

@@ -86,8 +86,8 @@ def _summary(trials: list[steps.Trial]) -> Table:
             match = matches.get(label)
             rows.append(
                 (
-                    trial.name,
-                    label,
+                    _unbroken(trial.name),
+                    _unbroken(label),
                     str(loss.count),
                     number(loss.percent, 2),
                     *(
@@ -107,7 +107,7 @@ def _summary(trials: list[steps.Trial]) -> Table:
         "Losses of contact by way to find them; errors of durations, losses missed and losses "
         "invented beside 0.05 ms.",
         ("wire", "way", "losses", "time lost [%]", "missed", "invented", "median error [%]",
-         "largest [%]", "processor time [s]"),
+         "largest [%]", "CPU [s]"),
         "llrrrrrrr",
         tuple(rows),
     )  # fmt: skip
@@ -121,12 +121,22 @@ def _against_paper(trials: list[steps.Trial]) -> Table:
     }
     for label, column in columns.items():
         median, largest, missed = steps.published_errors(column)
-        rows.append(("the paper", label, "16", number(median, 1), number(largest, 1), str(missed)))
+        rows.append(
+            (
+                "the paper",
+                _unbroken(label),
+                "16",
+                number(median, 1),
+                number(largest, 1),
+                str(missed),
+            )
+        )
         for trial in trials:
             match = trial.against(steps.PAPER)[label]
             rows.append(
-                (trial.name, label, str(match.loss.count), _percent(match.median_error),
-                 _percent(match.largest_error), str(len(match.missed)))
+                (_unbroken(trial.name), _unbroken(label), str(match.loss.count),
+                 _percent(match.median_error), _percent(match.largest_error),
+                 str(len(match.missed)))
             )  # fmt: skip
     return Table(
         "The same as the paper compares: differences from the variable step. Losses 'missed' are "
@@ -158,15 +168,20 @@ def _loss_table(trial: steps.Trial, *, beside: bool = False) -> Table:
         )  # fmt: skip
     head = ("loss", "time [s]", *matches, steps.REFERENCE)
     if beside:
-        head += ("paper: 1 ms", "paper: 0.2 ms", "paper: variable")
+        head += ("1 ms", "0.2 ms", "variable")
     text = f"Table 3 of the paper, {trial.name}: duration of contact losses [ms]; a dash: not seen."
     if beside:
         text += " Beside it the losses as published: they belong to another random wire."
-    return Table(text, head, "r" * len(head), tuple(rows))
+    groups = (("", 2), ("here", len(head) - 5), ("the paper", 3)) if beside else ()
+    return Table(text, head, "r" * len(head), tuple(rows), groups)
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _published_row(i: int) -> tuple[str, ...]:
     columns = (published.LOSS_CONSTANT_1, published.LOSS_CONSTANT_5, published.LOSS_VARIABLE)
     if i >= len(columns[0]):
         return ("",) * 3
-    return tuple("not counted" if c[i] is None else f"{c[i]:.2f}" for c in columns)
+    return tuple(MISSING if c[i] is None else f"{c[i]:.2f}" for c in columns)
