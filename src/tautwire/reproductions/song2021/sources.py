@@ -30,13 +30,16 @@ REGION = 0.06
 """Half width of a region relative to its wave number."""
 
 MAJORITY = 50.0
-"""More than this share of the peaks is 'highly consistent' at the least [%]."""
+"""At least this share is what 'highly consistent' and 'main source' mean [%]."""
 
 BY_CHANCE = 5.0
 """Share of the shifts by which combs without a relation may agree as well [%]."""
 
 NEGLIGIBLE = 10.0
 """Largest share of energy outside the regions that may be neglected [%]."""
+
+HALVES = 0.27
+"""Wave number between the regions of DD and SD and those of their halves [1/m]; 3.7 m."""
 
 PRESAG = "pre-sag"
 FRACTIONS = ("DD/2", "SD/2", "DD/4", "SD/4")
@@ -100,6 +103,15 @@ def share_near_maximum(found: Comb) -> float:
     return 100.0 * float(np.mean([is_local_maximum(found, float(place)) for place in places]))
 
 
+def in_regions(found: Comb, lengths: Mapping[str, float]) -> NDArray[np.bool_]:
+    """Mark the lines that belong to the regions of some lengths [m]."""
+    inside = np.zeros(found.value.size, dtype=np.bool_)
+    for length in lengths.values():
+        inside |= np.abs(found.abscissa * length - 1.0) <= REGION
+        inside[found.nearest(1.0 / length)] = True
+    return inside
+
+
 def outside_share(found: Comb, lengths: Mapping[str, float]) -> tuple[float, float]:
     """Return the share of energy, and of wave numbers, outside all regions [%].
 
@@ -112,10 +124,7 @@ def outside_share(found: Comb, lengths: Mapping[str, float]) -> tuple[float, flo
         [m]
     """
     short = found.abscissa >= SHORT
-    inside = np.zeros(found.value.size, dtype=bool)
-    for length in lengths.values():
-        inside |= np.abs(found.abscissa * length - 1.0) <= REGION
-        inside[found.nearest(1.0 / length)] = True
+    inside = in_regions(found, lengths)
     energy = found.value**2
     outside = short & ~inside
     return (
@@ -284,10 +293,14 @@ def _main_source(by_stiffness: Mapping[int, Sources]) -> Claim:
         for label, own in sources.combs.items():
             if label == PRESAG:
                 continue
-            high = Comb(own.abscissa, np.where(own.abscissa > 0.27, own.value, 0.0))
-            halves = {name: sources.lengths[name] for name in FRACTIONS}
-            energy, _ = outside_share(high, halves)
+            high = own.abscissa > HALVES
+            inside = in_regions(own, {name: sources.lengths[name] for name in FRACTIONS})[high]
+            energy = own.value[high] ** 2
+            share = 100.0 * float(energy[inside].sum() / energy.sum())
+            where = f"{k} kN/m, {label}"
             text = "share of the four regions in the energy of waves below 3.7 m"
-            found.append(least(f"{k} kN/m, {label}", text, 100.0 - energy, 50.0))
+            found.append(least(where, text, share, MAJORITY))
+            text = "the same if the energy were spread evenly"
+            found.append(Evidence(where, text, 100.0 * float(inside.mean()), "%"))
     text = "Half and quarter of DD and SD are the main source of the high-frequency components."
     return Claim("main-source", "IV.A, VI.3", text, tuple(found))
