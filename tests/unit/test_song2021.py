@@ -129,12 +129,6 @@ def test_line_on_top_of_noise_and_noise_alone() -> None:
     assert np.mean(lines) > 0.8
 
 
-def test_share_that_chance_rarely_exceeds() -> None:
-    """Of 93 places at 1 % each, more than 3 stand out less than once in twenty times."""
-    assert mesh.rare_share(93, 0.01) == pytest.approx(3 / 93)
-    assert mesh.rare_share(10, 0.0) == 0.0
-
-
 def test_energy_outside_the_regions() -> None:
     """One line in a region and one of the same height outside share the energy."""
     value = np.zeros(60)
