@@ -241,7 +241,12 @@ def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
                 Evidence(where, "rank correlation of all lines", result.correlation, "1"),
             ]  # fmt: skip
     text = "The peaks in the spectrum of the force are highly consistent with those of the pre-sag."
-    return Claim("presag-force", "IV.A", text, tuple(found))
+    numbers = {int(peaks(own.combs[PRESAG]).sum()) for own in by_stiffness.values()}
+    remark = (
+        f"The pre-sag has {' or '.join(str(n) for n in sorted(numbers))} peaks between 1 and 10 m, "
+        "so one of them more or less decides."
+    )
+    return Claim("presag-force", "IV.A", text, tuple(found), remark if numbers else "")
 
 
 def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from tautwire.analyses.contact_loss import contact_loss
@@ -151,9 +152,10 @@ def _fine_step(trials: Sequence[Trial]) -> Claim:
 def _better(trials: Sequence[Trial]) -> Claim:
     found: list[Evidence] = []
     for trial in trials:
-        matches = trial.against(REFERENCE)
-        found += _errors(trial, matches, (PAPER, INTERPOLATED, COUNTED_1))
         chance = is_better(trial, PAPER, COUNTED_1)
+        if math.isnan(chance):  # too few losses to tell
+            continue
+        found += _errors(trial, trial.against(REFERENCE), (PAPER, INTERPOLATED, COUNTED_1))
         found.append(most(trial.name, "chance of so clear an advantage over 1 ms, counted, if "
                           "there were none", 100.0 * chance, 100.0 * BY_CHANCE))  # fmt: skip
     text = (
