@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -17,8 +18,10 @@ import pytest
 
 from tautwire.errors import InputError
 from tautwire.studies.cluster import DaskCluster
-from tautwire.studies.executor import LocalWorkers, StudyError
+from tautwire.studies.executor import Event, LocalWorkers, StudyError
+from tautwire.studies.plan import plan_study
 from tautwire.studies.run import Options, StudyProgress, run_study
+from tautwire.studies.task import Job
 
 from .conftest import HERE, Place, seeds
 
@@ -112,6 +115,59 @@ def test_killed_cluster_worker(cluster: Cluster, place: Place) -> None:
     begun = place.noted("begin")
     assert set(begun) == set(range(12))
     assert begun.total() <= 14
+
+
+def _holder_of_a_result(cluster: Cluster) -> int:
+    """Wait for a finished result and return the process of the worker that holds it."""
+    from distributed import Client
+
+    end = time.monotonic() + 30.0
+    with Client(cluster.address, timeout=5, set_as_default=False) as client:
+        pids = client.run(os.getpid)
+        while time.monotonic() < end:
+            held = [address for own in client.who_has().values() for address in own]
+            if held:
+                return int(pids[held[0]])
+            time.sleep(0.02)
+    pytest.fail("no case was finished")
+
+
+def test_worker_lost_with_a_finished_result(cluster: Cluster, place: Place) -> None:
+    """A worker that holds a result falls silent, then is killed: the other computes it again."""
+    study = plan_study(seeds(1))
+    [point] = study.points
+    events: list[Event] = []
+    with DaskCluster(cluster.address, place.folder, timeout=3.0) as executor:
+        executor.submit(Job(point.key, study.case(point).to_dict(), "slow_tasks:nap"))
+        holder = _holder_of_a_result(cluster)
+        os.kill(holder, signal.SIGSTOP)
+        end = time.monotonic() + 60.0
+        while not any(e.kind == "finished" for e in events) and time.monotonic() < end:
+            event = executor.next(0.2)
+            if event is not None:
+                events.append(event)
+                os.kill(holder, signal.SIGKILL)
+    assert [(e.kind, e.status) for e in events] == [("retry", ""), ("finished", "done")]
+    assert place.rows() == 1
+    assert place.noted("end") == {0: 2}
+
+
+def test_worker_killed_while_results_wait(cluster: Cluster, place: Place) -> None:
+    """A study goes on with one worker when the other dies holding results it has not fetched."""
+    killed: list[int] = []
+
+    def kill_once(progress: StudyProgress) -> bool:
+        if progress.computed >= 2 and not killed:
+            time.sleep(0.5)  # both workers now hold results that were not fetched
+            cluster.workers[1].kill()
+            killed.append(progress.computed)
+        return False
+
+    executor = DaskCluster(cluster.address, place.folder)
+    table = run_study(seeds(12), place.folder, executor=executor, options=NAP, watch=kill_once)
+    assert killed
+    assert table.counts()["done"] == 12
+    assert np.array_equal(table["square"].values, np.arange(12.0) ** 2)
 
 
 def test_killed_scheduler(cluster: Cluster, place: Place) -> None:

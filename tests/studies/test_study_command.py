@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -71,16 +72,22 @@ def finished(
 
 
 def test_document(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
-    """One JSON document on standard output: counts, grouped failures, rows; exit code 0."""
+    """One JSON document on standard output: counts, grouped failures, rows; exit code 0.
+
+    Whether the two diverging cases stop for the same reason depends on rounding, so on the
+    kernels: what counts is that no reason is listed twice because of the numbers in it.
+    """
     _, outcome = finished
     assert outcome.returncode == 0, outcome.stderr
     document = json.loads(outcome.stdout)
     counts = document["cases"]
     assert counts == {"total": 6, "done": 2, "failed": 2, "refused": 2, "missing": 0}
     assert document["computed_now"] == 4
-    diverged, refused = sorted(document["failures"], key=lambda failure: failure["status"])
-    assert diverged["cases"] == [2, 4]
-    assert diverged["reason"].startswith("The passage stopped at")
+    *diverged, refused = sorted(document["failures"], key=lambda failure: failure["status"])
+    assert sorted(case for group in diverged for case in group["cases"]) == [2, 4]
+    assert all(group["reason"].startswith("The passage stopped at") for group in diverged)
+    reasons = {re.sub(r"t = [\d.]+ s", "", group["reason"]) for group in diverged}
+    assert len(reasons) == len(diverged)
     assert refused["cases"] == [5, 6]
     assert "wave speed" in refused["reason"]
     assert "mesh: elements of up to" in outcome.stderr

@@ -36,6 +36,36 @@ def by_name(rows: tuple[Check, ...], name: str) -> list[Check]:
     return [row for row in rows if row.name.startswith(name)]
 
 
+def tuned(target: float, mean: float, statistics: RunStatistics) -> Check:
+    """Return the check of the upper curve for a mean force tuned to a target at 320 km/h."""
+    case = make_case().with_(**{"scenario.speed": 320.0 / 3.6, "scenario.mean_force": target})
+    entry = statistics.pantographs[0]
+    filtered = {kind: replace(part, mean=mean) for kind, part in entry.filtered.items()}
+    changed = replace(statistics, pantographs=(replace(entry, filtered=filtered),))
+    [upper] = by_name(checks(changed, case), "mean contact force, upper")
+    return upper
+
+
+@pytest.mark.parametrize(
+    ("target", "mean", "within"),
+    [
+        (169.328, 169.42, True),
+        (169.328, 169.44, False),
+        (169.4, 169.42, False),
+        (160.0, 169.42, True),
+        (160.0, 169.3, True),
+    ],
+)
+def test_mean_force_tuned_to_its_limit(
+    target: float, mean: float, within: bool, statistics: RunStatistics
+) -> None:
+    """Aimed at 169.328 N, the curve itself, 0.1 N beside it is inside; aimed beyond it is not."""
+    check = tuned(target, mean, statistics)
+    assert check.within is within
+    assert ("tolerance of the tuning" in check.note) is (within and mean > check.limit)
+    assert check.verdict == "unverified"
+
+
 def at_speed(speed_kmh: float) -> Case:
     """Return the case with another speed."""
     return make_case().with_(**{"scenario.speed": speed_kmh / 3.6})

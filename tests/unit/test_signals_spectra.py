@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 from tautwire.signals.spectra import (
     Window,
     amplitude_spectrum,
+    background_limit,
     over_wavenumber,
     passing_lines,
     power_spectral_density,
@@ -85,3 +86,13 @@ def test_bad_spectra_are_refused() -> None:
         over_wavenumber(short, 0.0, is_density=False)
     with pytest.raises(ValueError, match="over_wavenumber"):
         _ = short.wavelength
+
+
+def test_background_exceeds_its_limit_as_often_as_asked() -> None:
+    """Noise: the largest of three lines over the mean of 20 others passes the limit in 1 %."""
+    generator = np.random.default_rng(1)
+    power = generator.exponential(size=(200_000, 23))
+    ratio = power[:, :3].max(axis=1) / power[:, 3:].mean(axis=1)
+    limit = background_limit(20, 0.01, places=3)
+    assert np.mean(ratio > limit) == pytest.approx(0.01, rel=0.08)
+    assert background_limit(10**7, 0.01) == pytest.approx(-np.log(0.01), rel=1e-4)

@@ -13,7 +13,7 @@ from tautwire.reproductions.song2021.claims import NO_VALUE, VERDICTS
 from tautwire.reproductions.song2021.passages import Scope
 from tautwire.reproductions.song2021.reproduction import reproduce, writers
 
-TINY = Scope("tiny", 9, (500,), (), ())
+TINY = Scope("tiny", 9, (500,), (), (500,), ("heights",))
 SHORT = {"line.spans": 4}
 
 
@@ -34,7 +34,7 @@ def test_short_line_gives_page_json_and_csv(tmp_path: Path) -> None:
     rows = list(csv.DictReader(io.StringIO(table)))
     assert len(rows) == sum(len(claim.evidence) for claim in record.claims)
     page = (tmp_path / "song2021.html").read_text(encoding="utf-8")
-    for number in (3, 4, 5, 6, 7, 8, 9, 10, 11, 15):
+    for number in (3, 4, 5, 6, 7, 8, 9, 10, 11, 15, 17, 18):
         assert f"Fig. {number} of the paper" in page
     assert "default-src 'none'" in page
 

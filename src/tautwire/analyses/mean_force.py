@@ -15,11 +15,9 @@ from tautwire.model.build import Model
 from tautwire.numerics.backend import Choice
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import Run
+from tautwire.specs.scenario import TUNING_TOLERANCE
 
 Array = NDArray[np.float64]
-
-TOLERANCE = 0.1
-"""Difference from the wanted mean that ends the tuning [N]."""
 
 MOST_PASSES = 8
 
@@ -80,7 +78,7 @@ def tune_mean_force(
         if run.status != "done":
             return run
         means = mean_forces(run)
-        if np.abs(means - target).max() <= TOLERANCE:
+        if np.abs(means - target).max() <= TUNING_TOLERANCE:
             return run
         if previous is not None:
             slope = _secant_slope(forces - previous[0], means - previous[1], slope)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -196,6 +197,32 @@ def passing_lines(
         if length > 0.0 and n * speed / length <= highest
     ]
     return tuple(sorted(lines, key=lambda line: line.frequency))
+
+
+def background_limit(neighbours: int, chance: float, places: int = 1) -> float:
+    """Return the power of a line over the mean power around it that background rarely exceeds.
+
+    Amplitudes of a smooth background scatter so that the power of one line over the mean power of
+    M neighbouring ones has the F distribution with 2 and 2 M degrees of freedom (the test for a
+    sinusoid in coloured noise); ``P(ratio > x) = (1 + x/M)^-M``. For the largest of several lines
+    the chance is shared between them (Sidak).
+
+    Parameters
+    ----------
+    neighbours : int
+        Number of lines the mean is taken of.
+    chance : float
+        Chance that the background exceeds the limit, 0 to 1.
+    places : int
+        Number of lines of which the largest is tested.
+
+    Examples
+    --------
+    >>> round(background_limit(20, 0.01), 2)
+    5.18
+    """
+    single = -math.expm1(math.log1p(-chance) / places)
+    return neighbours * math.expm1(-math.log(single) / neighbours)
 
 
 def _record(signal: ArrayLike) -> Array:

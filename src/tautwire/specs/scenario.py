@@ -16,6 +16,10 @@ ForcePerPantograph = Annotated[
 ]
 
 
+TUNING_TOLERANCE = 0.1
+"""Difference from the wanted mean force at which its tuning ends [N]."""
+
+
 class MeanForceLaw(Spec):
     """Mean contact force as a function of speed: constant + per_speed_squared * speed^2."""
 

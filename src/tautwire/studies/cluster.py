@@ -7,13 +7,14 @@ writes them. Start workers with one thread each: ``dask worker tcp://… --nthre
 from __future__ import annotations
 
 import os
+from collections import Counter
 from dataclasses import asdict
 from queue import Empty, SimpleQueue
 from typing import Any
 
 from tautwire import __version__
 from tautwire.errors import InputError
-from tautwire.studies.executor import Event, StudyError, save_row
+from tautwire.studies.executor import MOST_LOSSES, Event, StudyError, save_row
 from tautwire.studies.store import Store
 from tautwire.studies.task import Job, lost_row, perform
 
@@ -30,7 +31,8 @@ class DaskCluster:
     """Workers of a Dask cluster.
 
     The scheduler gives a case to another worker when its worker dies, and gives it up after its
-    ``allowed-failures`` (three by default).
+    ``allowed-failures`` (three by default). A result that was lost with the worker that held it is
+    computed again as long as the scheduler answers.
 
     Parameters
     ----------
@@ -47,8 +49,9 @@ class DaskCluster:
     ) -> None:
         self._address, self._store, self._timeout = address, Store(folder), timeout
         self._client: Any = None
-        self._running: dict[str, Any] = {}
-        self._ended: SimpleQueue[str] = SimpleQueue()
+        self._running: dict[str, tuple[Job, Any]] = {}
+        self._losses: Counter[str] = Counter()
+        self._ended: SimpleQueue[tuple[str, Any]] = SimpleQueue()
 
     @property
     def description(self) -> str:
@@ -85,24 +88,26 @@ class DaskCluster:
 
     def submit(self, job: Job) -> None:
         """Take a case."""
-        future = self._client.submit(
-            compute_remotely, asdict(job), key=f"tautwire-{job.key}", pure=False
-        )
-        self._running[job.key] = future
-        future.add_done_callback(lambda _, key=job.key: self._ended.put(key))
+        name = f"tautwire-{job.key}-{self._losses[job.key]}"
+        future = self._client.submit(compute_remotely, asdict(job), key=name, pure=False)
+        self._running[job.key] = (job, future)
+        future.add_done_callback(lambda own, key=job.key: self._ended.put((key, own)))
 
     def next(self, timeout: float) -> Event | None:
         """Wait for an event; None when nothing happened in time [s]."""
         try:
-            key = self._ended.get(timeout=timeout)
+            key, future = self._ended.get(timeout=timeout)
         except Empty:
             if self._client.status not in ("running", "connecting"):
                 raise self._gone(f"connection {self._client.status}") from None
             return None
-        future = self._running.pop(key, None)
-        return None if future is None else self._collect(key, future)
+        job, current = self._running.get(key, (None, None))
+        if job is None or future is not current:  # an attempt that was given up
+            return None
+        del self._running[key]
+        return self._collect(job, future)
 
-    def _collect(self, key: str, future: Any) -> Event:
+    def _collect(self, job: Job, future: Any) -> Event:
         """Write the row that came back."""
         from distributed import CancelledError, KilledWorker
         from distributed.comm.core import CommClosedError
@@ -112,7 +117,11 @@ class DaskCluster:
         except KilledWorker as error:
             row, run_file = lost_row(f"its workers died while computing it ({error})"), None
         except (CancelledError, CommClosedError, TimeoutError) as error:
-            raise self._gone(type(error).__name__) from error
+            if self._losses[job.key] + 1 < MOST_LOSSES:
+                return self._again(job, error)
+            self._threads()  # the case is to blame only as long as the scheduler answers
+            reason = f"its result was lost {MOST_LOSSES} times ({type(error).__name__})"
+            row, run_file = lost_row(reason), None
         except Exception as error:  # noqa: BLE001  raised by the remote machine, not by the case
             row, run_file = lost_row(f"its worker failed: {type(error).__name__}: {error}"), None
         if row["version"] != __version__:
@@ -120,8 +129,18 @@ class DaskCluster:
                 f"the cluster at {self._address} computes with tautwire {row['version']}, this "
                 f"is {__version__}; install the same version on its workers"
             )
-        save_row(self._store, key, row, run_file)
-        return Event(key, "finished", row["status"], row["reason"])
+        save_row(self._store, job.key, row, run_file)
+        return Event(job.key, "finished", row["status"], row["reason"])
+
+    def _again(self, job: Job, error: BaseException) -> Event:
+        """Compute a case again whose result did not come, if the scheduler still answers."""
+        try:
+            self._threads()
+            self._losses[job.key] += 1
+            self.submit(job)
+        except (OSError, RuntimeError) as gone:
+            raise self._gone(type(gone).__name__) from error
+        return Event(job.key, "retry", reason=f"was lost with a result ({type(error).__name__})")
 
     def _gone(self, reason: str) -> StudyError:
         return StudyError(_GONE.format(address=self._address, reason=reason))
@@ -129,6 +148,8 @@ class DaskCluster:
     def _threads(self) -> int:
         if self._client is None:
             return 0
+        if self._client.status != "running":
+            raise self._gone(f"connection {self._client.status}")
         try:
             return sum(self._client.nthreads().values())
         except (OSError, TimeoutError) as error:

@@ -53,6 +53,11 @@ class Evidence:
         return self.low <= self.found <= self.high
 
     @property
+    def is_judged(self) -> bool:
+        """True when there is a limit to keep."""
+        return math.isfinite(self.low) or math.isfinite(self.high)
+
+    @property
     def requirement(self) -> str:
         """The limits in words."""
         low, high = (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -88,10 +90,22 @@ def mesh_spectra(passages: Passages, k: int) -> Figure:
             spectrum = passages.spectrum(standard(m, k))
             band = (spectrum.abscissa >= low) & (spectrum.abscissa <= high)
             curves.append(Curve(f"NAD {m}", spectrum.abscissa[band], spectrum.value[band], number))
-        marks = {name: f for name, f in lines.items() if low < f < high}
+        marks = _apart({name: f for name, f in lines.items() if low < f < high}, high - low)
         title = f"({letter}) {low:g} to {high:g} Hz"
         panels.append(Panel(title, curves, "amplitude [N]", (low, high), marks))
     return panel_figure(panels, FREQUENCY, 250)
+
+
+def _apart(marks: Mapping[str, float], width: float) -> dict[str, float]:
+    """Write marks that lie closer than a hundredth of the width as one, at the first of them."""
+    found: dict[str, float] = {}
+    for name, place in sorted(marks.items(), key=lambda item: item[1]):
+        last = next(reversed(found), None)
+        if last is not None and place - found[last] < 0.01 * width:
+            found[f"{last}, {name}"] = found.pop(last)
+        else:
+            found[name] = place
+    return found
 
 
 def stiffness_forces(passages: Passages, m: int) -> Figure:

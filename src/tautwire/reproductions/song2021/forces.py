@@ -16,11 +16,14 @@ from tautwire.analyses.statistics import contact_statistics, uniform_force
 from tautwire.results.run import ForceRecord, Run
 from tautwire.results.storage import load_run
 from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass
-from tautwire.signals.spectra import Spectrum
+from tautwire.signals.spectra import Spectrum, background_limit
 
 Array = NDArray[np.float64]
 
 FILTERS: Mapping[str, Lowpass] = {"sharp": SharpLowpass(), "Butterworth": Butterworth()}
+
+CHANCE = 0.01
+"""Chance at which a line of the background alone counts as standing out."""
 
 SHIFTS = (-1, 1)
 """Other readings of the central spans: the section one span earlier or later."""
@@ -140,8 +143,8 @@ class Comb:
         at = self.nearest(place)
         return float(self.value[max(0, at - reach) : at + reach + 1].max())
 
-    def ratio(self, place: float, reach: int = 1, width: float = 0.15) -> float:
-        """Return the level at a place over the median of the lines around it.
+    def test(self, place: float, reach: int = 1, width: float = 0.15) -> LineTest:
+        """Test whether a line stands out of its surroundings.
 
         Parameters
         ----------
@@ -154,7 +157,46 @@ class Comb:
         at = self.nearest(place)
         distance = np.abs(np.arange(self.value.size) - at)
         around = (distance <= max(6, width * at)) & (distance > reach)
-        return self.level(place, reach) / float(np.median(self.value[around]))
+        places = int(np.sum(distance <= reach))
+        background = float(np.sqrt(np.mean(self.value[around] ** 2)))
+        return LineTest(self.level(place, reach), background, int(around.sum()), places)
+
+
+@dataclass(frozen=True)
+class LineTest:
+    """A line of a spectrum beside its surroundings.
+
+    Attributes
+    ----------
+    level : float
+        Largest amplitude at the place.
+    background : float
+        Root mean square of the amplitudes around it.
+    neighbours : int
+        Number of lines around it.
+    places : int
+        Number of lines that belong to the place.
+    """
+
+    level: float
+    background: float
+    neighbours: int
+    places: int
+
+    @property
+    def ratio(self) -> float:
+        """Power of the line over the mean power around it."""
+        return (self.level / self.background) ** 2
+
+    @property
+    def limit(self) -> float:
+        """Ratio that background alone exceeds with the chance :data:`CHANCE`."""
+        return background_limit(self.neighbours, CHANCE, self.places)
+
+    @property
+    def stands_out(self) -> bool:
+        """True when the line exceeds what the background explains."""
+        return self.ratio > self.limit
 
 
 def comb(spectrum: Spectrum, spacing: float, highest: float) -> Comb:

@@ -27,15 +27,17 @@ from tautwire.reproductions.song2021.claims import (
     REPRODUCED,
     RULE,
     Claim,
+    Evidence,
     counts,
 )
-from tautwire.reproductions.song2021.page_high import sources_section, steps_section
+from tautwire.reproductions.song2021.page_high import sources_section
 from tautwire.reproductions.song2021.page_model import (
     mesh_section,
     model_section,
     readings_section,
     stiffness_section,
 )
+from tautwire.reproductions.song2021.page_steps import steps_section
 
 if TYPE_CHECKING:
     from tautwire.reproductions.song2021.reproduction import SongRecord
@@ -103,7 +105,7 @@ def _summary(record: SongRecord) -> Section:
         lines = tuple(f"{name}: {reason}" for name, reason in record.missing.items())
         blocks.append(Callout(("Missing computations:", *lines[:12])))
     rows = tuple(_claim_row(claim) for claim in record.claims)
-    head = ("section", "claim", "verdict", "found here (the paper)")
+    head = ("section", "claim", "verdict", "found here (the paper) [limit]")
     blocks.append(Table("Every claim of sections II to VI.", head, "llll", rows))
     return Section("summary", "Claims and verdicts", tuple(blocks))
 
@@ -124,6 +126,8 @@ def brief(claim: Claim) -> str:
     ----------
     claim
     """
+    if not claim.evidence:
+        return claim.remark or "not computed in this scope"
     if claim.explanation:
         return " ".join(part for part in (_conditional(claim), claim.remark) if part)
     ranges: list[str] = []
@@ -134,11 +138,19 @@ def brief(claim: Claim) -> str:
         shown = " to ".join(dict.fromkeys(ends))
         unit = "" if items[0].unit in ("1", "") else f" {items[0].unit}"
         wanted = {i.published for i in items if i.published is not None}
-        own = f" ({wanted.pop():g})" if len(wanted) == 1 else ""
+        own = f" ({wanted.pop():g})" if len(wanted) == 1 else _limit(items)
         ranges.append(f"{name} {shown}{unit}{own}")
     text = "; ".join(ranges[:4])
     more = f"; and {len(ranges) - 4} more" if len(ranges) > 4 else ""
     return f"{text}{more}. {claim.remark}".strip()
+
+
+def _limit(items: Sequence[Evidence]) -> str:
+    """Write the limit of some numbers if it is one for all of them."""
+    limits = {item.requirement for item in items}
+    if len(limits) != 1 or not items[0].is_judged:
+        return ""
+    return f" [{limits.pop()}]"
 
 
 def _conditional(claim: Claim) -> str:

@@ -1,21 +1,18 @@
-"""Page sections about the high-frequency components and the time step (IV, V)."""
+"""Page section about the high-frequency components (IV)."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from tautwire.analyses.section import analysed_section
 from tautwire.report.blocks import Heading, Section, Table, Text
 from tautwire.report.sections import chart
-from tautwire.report.words import number
-from tautwire.reproductions.song2021 import drawings_high, published, sources, steps
+from tautwire.report.words import MISSING, number
+from tautwire.reproductions.song2021 import drawings_high, published, sources, vibration
 from tautwire.reproductions.song2021.passages import (
     FITTING,
-    IRREGULARITY,
     SPEEDS,
-    irregular,
     standard,
 )
 
@@ -30,12 +27,17 @@ def sources_section(material: Material) -> Section:
     blocks: list[object] = [Heading("Source of the high-frequency components (IV.A)")]
     blocks += _source_blocks(material)
     blocks.append(Heading("Amplification: modes (IV.B)"))
-    for name, found in material.modes.items():
+    for name in vibration.FRACTIONS:
+        found = material.modes.get(name)
+        if found is None:
+            continue
         if found.numbers:
             blocks.append(_mode_chart(name, found))
         else:
             text = f"{name}: none of {found.searched} modes is sensitive to it."
             blocks.append(Text(text, "note"))
+    if material.modes:
+        blocks.append(_control_table(material.modes))
     blocks.append(Heading("Suggested frequency range (IV.C)"))
     if material.curves:
         blocks += [
@@ -54,7 +56,7 @@ def _source_blocks(material: Material) -> list[object]:
         run = material.passages.run(name)
         section = analysed_section(run)
         blocks.append(
-            chart("fig-10", drawings_high.presag({"contact wire": run.equilibrium},
+            chart("fig-10", drawings_high.presag(run.equilibrium,
                   (section.start, section.end)), "Fig. 10 of the paper: pre-sag of the contact "
                   "wire, NAD 9.", "Static height of the contact wire over the supports.")
         )  # fmt: skip
@@ -92,10 +94,43 @@ def _mode_chart(name: str, found: drawings_high.Found) -> object:
     return chart(f"mode-{name.replace('/', '-')}", drawings_high.mode(found), caption, summary)
 
 
+def _control_table(modes: Mapping[str, vibration.Found]) -> Table:
+    rows = []
+    for name in vibration.FRACTIONS:
+        own = [modes[name]] if name in modes else []
+        every = sorted([*own, *vibration.controls(modes, name)], key=lambda found: found.wanted)
+        for found in every:
+            numbers = found.numbers
+            cells = (
+                (number(numbers["frequency"], 2), number(numbers["participation"], 2),
+                 number(numbers["concentration"], 2), number(found.score, 3))
+                if numbers
+                else (MISSING,) * 4
+            )  # fmt: skip
+            rows.append(
+                (_unbroken(found.name), number(found.wanted, 3),
+                 _unbroken(f"{found.sensitive} of {found.searched}"), *cells)
+            )  # fmt: skip
+    return Table(
+        "Modes sensitive to the line's own lengths, and to control wavelengths that mean nothing "
+        "to it. Sensitive: the spectrum of the contact wire peaks within 1 % of the wavelength. "
+        "Participation: share of the vertical contact wire in the kinetic energy; concentration: "
+        "share of the spectrum within 5 % of the wavelength; score: their product.",
+        ("length", "[m]", "sensitive modes", "best [Hz]", "participation", "concentration",
+         "score"),
+        "lrrrrrr",
+        tuple(rows),
+    )  # fmt: skip
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
 def _cutoff_table(material: Material) -> Table:
     rows = tuple(
         (
-            name.replace(" ", "\N{NO-BREAK SPACE}"),
+            _unbroken(name),
             f"{speed}",
             f"{published.CUTOFFS[speed]:g}",
             number(float(own.cutoff[i]), 2),
@@ -114,94 +149,3 @@ def _cutoff_table(material: Material) -> Table:
         "lrrrrrrrr",
         rows,
     )  # fmt: skip
-
-
-def steps_section(material: Material) -> Section:
-    """Show Figs 16 to 18 and Table 3."""
-    blocks: list[object] = [
-        Text(
-            "The paper assumes an irregularity 'as a set of random uniform number' without its "
-            f"size. Here every dropper's pre-sag deviates at random by up to "
-            f"{1e3 * IRREGULARITY:g} mm (beyond 3 mm droppers would be slack at rest). A constant "
-            "step counts the samples without contact; 'located' puts separation and re-contact "
-            "where the straight line through the penetrations of neighbouring samples crosses "
-            "zero, which is the first iteration of the paper's variable step."
-        )
-    ]
-    for k, table in material.losses.items():
-        blocks += _loss_blocks(material, k, table)
-    blocks.append(_published_table())
-    return Section("steps", "Variable time step (V)", tuple(blocks))
-
-
-def _loss_blocks(material: Material, k: int, table: steps.LossTable) -> list[object]:
-    own = material.passages
-    whens = drawings_high.telling_losses(table)
-    blocks: list[object] = [Heading(f"Contact stiffness {k} kN/m")]
-    if k == FITTING:
-        run = own.run(irregular("1ms", k))
-        section = analysed_section(run)
-        if whens:
-            starts = steps.located(run).start
-            when = float(starts[np.argmin(np.abs(starts - whens[0]))])
-            blocks.append(
-                chart("fig-16", drawings_high.event(own, k, when), "Fig. 16 of the paper, drawn "
-                      "from a separation of this run.", "Penetration around a separation.")
-            )  # fmt: skip
-        blocks.append(
-            chart("fig-17", drawings_high.presag({"with irregularities": run.equilibrium,
-                  "ideal": own.run(standard(9, k)).equilibrium}, (section.start, section.end)),
-                  "Fig. 17 of the paper: pre-sag with irregularities, beside the ideal line.",
-                  "Static height of the irregular contact wire.")
-        )  # fmt: skip
-        blocks.append(
-            chart("fig-18", drawings_high.step_forces(own, k, whens), "Fig. 18 of the paper: "
-                  "unfiltered contact force with both time steps, and enlarged around two losses.",
-                  "Contact force with two time steps.")
-        )  # fmt: skip
-    blocks.append(
-        _loss_table(k, table)
-        if table.time.size
-        else Text("No contact is lost at this contact stiffness.", "note")
-    )
-    return blocks
-
-
-def _loss_table(k: int, table: steps.LossTable) -> Table:
-    names = list(table.durations)
-    reference = steps.VARIABLE if steps.VARIABLE in names else steps.LOCATED_1
-    rows = []
-    for i, start in enumerate(table.time.tolist()):
-        values = {name: float(table.durations[name][i]) for name in names}
-        wanted = values[reference]
-        errors = [100.0 * abs(values[n] - wanted) / wanted for n in names[:2]]
-        rows.append(
-            (str(i + 1), number(start, 4), *(number(1e3 * values[n], 2) for n in names),
-             *(number(e, 1) for e in errors))
-        )  # fmt: skip
-    return Table(
-        f"Table 3 of the paper, {k} kN/m: duration of contact losses [ms] in the analysed section; "
-        f"errors |t − t_ref|/t_ref with '{reference}' as reference [%]; "
-        "verdicts use losses from 1 ms on. A dash: not seen.",
-        ("loss", "time [s]", *names, *(f"error, {n}" for n in names[:2])),
-        "r" * (4 + len(names)),
-        tuple(rows),
-    )
-
-
-def _published_table() -> Table:
-    def shown(value: float | None) -> str:
-        return "not counted" if value is None else f"{value:.2f}"
-
-    columns = (published.LOSS_CONSTANT_1, published.LOSS_CONSTANT_5, published.LOSS_VARIABLE)
-    rows = tuple(
-        (str(i), *(shown(v) for v in values))
-        for i, values in enumerate(zip(*columns, strict=True), 1)
-    )
-    return Table(
-        "Table 3 as published [ms]. Its losses belong to another random wire, so only their errors "
-        "can be compared.",
-        ("loss", "1 ms", "0.2 ms", "variable step"),
-        "rrrr",
-        rows,
-    )

@@ -10,9 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from tautwire.inputs.load import load_case
 from tautwire.specs.study import Study
 
 BASE = "ac-simple"
@@ -56,19 +53,8 @@ CONVENTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
 }
 """Readings of what the paper leaves open: name, words, values that differ."""
 
-IRREGULARITY = 2e-3
-"""Largest deviation of the pre-sag at the droppers, uniform at random [m]; the paper states none.
-
-Beyond 3 mm droppers would be slack at rest.
-"""
-
-SEED = 2021
-
-STEPS: Mapping[str, Mapping[str, Any]] = {
-    "1ms": {},
-    "0.2ms": {"settings.time_step": "0.2 ms"},
-}
-"""Time steps of section V by name: values that differ."""
+HEIGHTS, SURFACE = "heights", "surface"
+"""Irregularities of section V."""
 
 QUICK_CONVENTIONS = ("swinging", "damping-0", "half-step")
 
@@ -89,6 +75,8 @@ class Scope:
         Names of :data:`CONVENTIONS`.
     irregular : tuple of int
         Contact stiffnesses of section V [kN/m].
+    kinds : tuple of str
+        Irregularities of section V.
     """
 
     name: str
@@ -96,10 +84,11 @@ class Scope:
     readings: tuple[int, ...]
     conventions: tuple[str, ...]
     irregular: tuple[int, ...]
+    kinds: tuple[str, ...]
 
 
-FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200, 50))
-QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS, (FITTING,))
+FULL = Scope("full", 15, READINGS, tuple(CONVENTIONS), (FITTING, 200, 50), (HEIGHTS, SURFACE))
+QUICK = Scope("quick", 9, (FITTING,), QUICK_CONVENTIONS, (FITTING,), (HEIGHTS,))
 
 
 def standard(mesh: int, stiffness: int, speed: int = TOP_SPEED, mean: float | None = None) -> str:
@@ -127,36 +116,31 @@ def passages(scope: Scope) -> dict[str, dict[str, Any]]:
     wanted += [(mesh, k, TOP_SPEED) for k in scope.readings for mesh in MESHES]
     wanted += [(scope.mesh, k, v) for k in scope.readings for v in SPEEDS]
     for mesh, stiffness, speed in wanted:
-        found[standard(mesh, stiffness, speed)] = _values(mesh, stiffness, speed)
+        found[standard(mesh, stiffness, speed)] = values_of(mesh, stiffness, speed)
     for speed in SPEEDS[:-1]:
         name = standard(scope.mesh, FITTING, speed, OTHER_MEAN)
-        found[name] = _values(scope.mesh, FITTING, speed, OTHER_MEAN)
+        found[name] = values_of(scope.mesh, FITTING, speed, OTHER_MEAN)
     for name in scope.conventions:
         for stiffness in (FITTING, 50) if name == "swinging" else (FITTING,):
-            changes = {**_values(9, stiffness, TOP_SPEED), **CONVENTIONS[name][1]}
+            changes = {**values_of(9, stiffness, TOP_SPEED), **CONVENTIONS[name][1]}
             found[convention(name, stiffness)] = changes
-    for stiffness in scope.irregular:
-        for step, changes in STEPS.items():
-            values = _values(9, stiffness, TOP_SPEED)
-            found[irregular(step, stiffness)] = {**values, **_irregularity(), **changes}
     return found
 
 
-def irregular(step: str, stiffness: int) -> str:
-    """Return the name of a passage under the irregular wire, NAD 9 at 320 km/h."""
-    return f"irregular-{step}-k{stiffness}"
+def values_of(mesh: int, stiffness: int, speed: int, mean: float | None = None) -> dict[str, Any]:
+    """Return the values of a passage that differ from the library case.
 
-
-def _irregularity() -> dict[str, Any]:
-    """Return pre-sags with random deviations, every dropper its own."""
-    case = load_case(BASE)
-    rows = case.droppers.presag_by_span(case.line.spans)
-    generator = np.random.default_rng(SEED)
-    deviations = generator.uniform(-IRREGULARITY, IRREGULARITY, (len(rows), len(rows[0])))
-    return {"droppers.presag": (np.array(rows) + deviations).round(6).tolist()}
-
-
-def _values(mesh: int, stiffness: int, speed: int, mean: float | None = None) -> dict[str, Any]:
+    Parameters
+    ----------
+    mesh
+        NAD.
+    stiffness
+        Contact stiffness [kN/m].
+    speed
+        [km/h]
+    mean
+        Mean force, if another than the library case has at this speed [N].
+    """
     values: dict[str, Any] = {
         "settings.nodes_between_droppers": mesh,
         "settings.contact_stiffness": f"{stiffness} kN/m",

@@ -20,13 +20,16 @@ from tautwire.reproductions.song2021 import (
     published,
     sources,
     statics,
+    step_claims,
     steps,
     stiffness,
     validation,
     vibration,
 )
 from tautwire.reproductions.song2021.claims import RULE, Claim, counts
+from tautwire.reproductions.song2021.folder import PASSAGES, Folder
 from tautwire.reproductions.song2021.forces import Passages
+from tautwire.reproductions.song2021.irregular import ideal, irregular_study
 from tautwire.reproductions.song2021.passages import (
     FULL,
     STIFFNESSES,
@@ -36,11 +39,7 @@ from tautwire.reproductions.song2021.passages import (
 )
 from tautwire.results.files import write_text
 from tautwire.specs.case import Source
-from tautwire.studies.executor import LocalWorkers
-from tautwire.studies.plan import Plan, plan_study
-from tautwire.studies.run import Options, Watch, core_count, run_study
-from tautwire.studies.store import Store
-from tautwire.studies.task import DONE
+from tautwire.studies.run import Watch
 
 STUDY = "song2021"
 
@@ -62,8 +61,8 @@ class Material:
         By name of the length.
     curves : mapping of str to Curves
         Fig. 15 by reading.
-    losses : mapping of int to LossTable
-        Table 3 by contact stiffness [kN/m].
+    trials : list of Trial
+        Table 3 by contact stiffness and irregularity.
     """
 
     scope: Scope
@@ -73,7 +72,7 @@ class Material:
     sources: Mapping[int, sources.Sources]
     modes: Mapping[str, vibration.Found]
     curves: Mapping[str, cutoffs.Curves]
-    losses: Mapping[int, steps.LossTable]
+    trials: list[steps.Trial]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,30 +167,24 @@ def reproduce(
         With status ``"partial"`` when something is missing.
     """
     begin = time.perf_counter()
+    own = Folder(Path(folder), workers, watch)
+    own.compute("passages", passage_study(passages(scope), changes))
+    irregular = irregular_study(scope, _uplift(own, scope), changes)
+    if irregular is not None:
+        own.compute("irregular", irregular)
     meshes = vibration.MESHES if scope.name == FULL.name else vibration.QUICK_MESHES
-    jobs = {
-        "passages": (
-            passage_study(passages(scope), changes),
-            Options(resume=True, retry_failed=True),
-        ),
-        "modes": (
-            vibration.mode_study(meshes, changes),
-            Options(resume=True, retry_failed=True, task=vibration.TASK),
-        ),
-    }
-    plans: dict[str, Plan] = {}
-    for name, (study, options) in jobs.items():
-        plans[name] = plan_study(study)
-        _run(plans[name], Path(folder) / name, options, workers, watch)
-    rows, missing = _rows(plans, Path(folder))
-    material = _material(scope, rows, Path(folder), changes)
+    own.compute("modes", vibration.mode_study(meshes, changes), vibration.TASK)
+    rows, missing = own.rows()
+    material = _material(scope, own, changes)
     cost = {
-        "passages": float(len(rows["passages"])),
-        "cpu_s": sum(row["cost"]["cpu_s"] or 0.0 for own in rows.values() for row in own.values()),
+        "passages": float(sum(len(rows[name]) for name in PASSAGES if name in rows)),
+        "cpu_s": sum(
+            row["cost"]["cpu_s"] or 0.0 for kind in rows.values() for row in kind.values()
+        ),
         "wall_s": time.perf_counter() - begin,
     }
     doubtful = tuple(
-        entry for entry in plans["passages"].case(plans["passages"].points[0]).sources
+        entry for entry in own.first_case("passages").sources
         if entry.confidence in DOUBTFUL
     )  # fmt: skip
     return SongRecord(
@@ -206,58 +199,28 @@ def reproduce(
     )
 
 
-def _run(
-    plan: Plan, folder: Path, options: Options, workers: int | None, watch: Watch | None
-) -> None:
-    """Compute what is missing or failed before."""
-    store = Store(folder)
-    done = {key for key in store.finished() if (store.load(key) or {}).get("status") == DONE}
-    if set(plan.by_key) <= done:
-        return
-    count = min(workers or core_count(), len(plan.by_key))
-    executor = LocalWorkers(count, folder)
-    run_study(plan, folder, executor=executor, options=options, watch=watch)
+def _uplift(folder: Folder, scope: Scope) -> dict[int, float]:
+    """Return the uplift forces of the ideal line that section V takes over [N]."""
+    rows = folder.rows()[0]["passages"]
+    return {
+        k: float(rows[ideal(k)]["values"]["pantographs"][0]["uplift_force"])
+        for k in scope.irregular
+        if ideal(k) in rows
+    }
 
 
-def _rows(
-    plans: Mapping[str, Plan], folder: Path
-) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
-    """Return finished rows by name, and why others are missing."""
-    found: dict[str, dict[str, Any]] = {name: {} for name in plans}
-    missing: dict[str, str] = {}
-    for kind, plan in plans.items():
-        store = Store(folder / kind)
-        for point in plan.points:
-            name = str(next(iter(plan.coordinates(point).values())))
-            row = store.load(point.key) if point.key else None
-            if row is not None and row["status"] == DONE:
-                found[kind][name] = {**row, "key": point.key}
-            elif row is not None:
-                missing[name] = str(row["reason"])
-            else:
-                missing[name] = "; ".join(point.problems) or "not computed"
-    return found, missing
-
-
-def _material(
-    scope: Scope,
-    rows: Mapping[str, Mapping[str, Any]],
-    folder: Path,
-    changes: Mapping[str, Any] | None,
-) -> Material:
-    store = Store(folder / "passages")
-    own = Passages({name: store.run_path(row["key"]) for name, row in rows["passages"].items()})
+def _material(scope: Scope, folder: Folder, changes: Mapping[str, Any] | None) -> Material:
+    own = Passages(folder.run_paths())
     every = ((k, sources.gather(own, scope, k)) for k in STIFFNESSES)
-    losses = ((k, steps.table(own, k)) for k in scope.irregular)
     return Material(
         scope,
         own,
         statics.compute_statics(changes),
         validation.readings(own),
         {k: found for k, found in every if found is not None},
-        {name: vibration.read(row) for name, row in rows["modes"].items()},
+        vibration.gather(folder.rows()[0]["modes"]),
         cutoffs.gather(own, scope),
-        {k: found for k, found in losses if found is not None},
+        steps.gather(own, scope),
     )
 
 
@@ -277,7 +240,7 @@ def judge(material: Material) -> list[Claim]:
         *sources.claims(material.sources),
         *vibration.claims(material.modes),
         *cutoffs.claims(material.curves),
-        *steps.claims(own, material.losses),
+        *step_claims.claims(own, material.trials),
     ]
 
 

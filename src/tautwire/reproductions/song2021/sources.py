@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.wavelengths import line_lengths, presag_spectrum
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least
+from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
 from tautwire.reproductions.song2021.forces import Comb, Passages, comb
 from tautwire.reproductions.song2021.passages import FITTING, Scope, standard
 from tautwire.signals.spectra import over_wavenumber
@@ -29,12 +29,17 @@ SHORT = 0.1
 REGION = 0.06
 """Half width of a region relative to its wave number."""
 
-STANDS_OUT = 1.5
-AGREEMENT = 66.0
-"""Least share of the peaks of the pre-sag that are peaks of the force [%]; about 35 by chance."""
+MAJORITY = 50.0
+"""At least this share is what 'highly consistent' and 'main source' mean [%]."""
+
+BY_CHANCE = 5.0
+"""Share of the shifts by which combs without a relation may agree as well [%]."""
 
 NEGLIGIBLE = 10.0
 """Largest share of energy outside the regions that may be neglected [%]."""
+
+HALVES = 0.27
+"""Wave number between the regions of DD and SD and those of their halves [1/m]; 3.7 m."""
 
 PRESAG = "pre-sag"
 FRACTIONS = ("DD/2", "SD/2", "DD/4", "SD/4")
@@ -92,6 +97,21 @@ def is_local_maximum(found: Comb, place: float, reach: int = 1) -> bool:
     )
 
 
+def share_near_maximum(found: Comb) -> float:
+    """Return how many places, waves of 1 to 10 m, lie within one line of a local maximum [%]."""
+    places = found.abscissa[(found.abscissa >= SHORT) & (found.abscissa <= 1.0)]
+    return 100.0 * float(np.mean([is_local_maximum(found, float(place)) for place in places]))
+
+
+def in_regions(found: Comb, lengths: Mapping[str, float]) -> NDArray[np.bool_]:
+    """Mark the lines that belong to the regions of some lengths [m]."""
+    inside = np.zeros(found.value.size, dtype=np.bool_)
+    for length in lengths.values():
+        inside |= np.abs(found.abscissa * length - 1.0) <= REGION
+        inside[found.nearest(1.0 / length)] = True
+    return inside
+
+
 def outside_share(found: Comb, lengths: Mapping[str, float]) -> tuple[float, float]:
     """Return the share of energy, and of wave numbers, outside all regions [%].
 
@@ -104,10 +124,7 @@ def outside_share(found: Comb, lengths: Mapping[str, float]) -> tuple[float, flo
         [m]
     """
     short = found.abscissa >= SHORT
-    inside = np.zeros(found.value.size, dtype=bool)
-    for length in lengths.values():
-        inside |= np.abs(found.abscissa * length - 1.0) <= REGION
-        inside[found.nearest(1.0 / length)] = True
+    inside = in_regions(found, lengths)
     energy = found.value**2
     outside = short & ~inside
     return (
@@ -124,29 +141,48 @@ def peaks(found: Comb) -> NDArray[np.bool_]:
     return marked & (found.abscissa >= SHORT) & (found.abscissa <= 1.0)
 
 
-def agreement(presag: Comb, force: Comb) -> tuple[float, float, float]:
+@dataclass(frozen=True)
+class Agreement:
+    """How the peaks of the force agree with those of the pre-sag, waves of 1 to 10 m.
+
+    Attributes
+    ----------
+    share : float %
+        Of the peaks of the pre-sag that are peaks of the force, on the same line of the comb.
+    chance : float %
+        Mean of the same when one comb is shifted along the other.
+    as_good : float %
+        Share of all shifts, none included, that agree at least as well.
+    correlation : float
+        Rank correlation of all lines.
+    """
+
+    share: float
+    chance: float
+    as_good: float
+    correlation: float
+
+
+def agreement(presag: Comb, force: Comb) -> Agreement:
     """Compare the peaks of the force with those of the pre-sag, waves of 1 to 10 m.
+
+    Chance is what remains when one row of peaks is shifted along the other by any number of lines
+    (round the end): peaks stay as many and as far apart as they are, and only their places lose
+    their meaning.
 
     Parameters
     ----------
     presag, force
-
-    Returns
-    -------
-    share : float
-        Of the peaks of the pre-sag that are peaks of the force, on the same line of the comb [%].
-    chance : float
-        Share of all lines that are peaks of the force: what is to be expected by chance [%].
-    correlation : float
-        Rank correlation of all lines.
     """
-    wanted, present = peaks(presag), peaks(force)
     short = (presag.abscissa >= SHORT) & (presag.abscissa <= 1.0)
+    wanted, present = peaks(presag)[short], peaks(force)[short]
+    shares = np.array([100.0 * present[np.roll(wanted, n)].mean() for n in range(wanted.size)])
     first, second = (np.argsort(np.argsort(c.value[short])) for c in (presag, force))
-    return (
-        100.0 * float(present[wanted].mean()),
-        100.0 * float(present[short].mean()),
-        float(np.corrcoef(first, second)[0, 1]),
+    return Agreement(
+        share=float(shares[0]),
+        chance=float(shares[1:].mean()),
+        as_good=100.0 * float(np.mean(shares >= shares[0] - 1e-9)),
+        correlation=float(np.corrcoef(first, second)[0, 1]),
     )
 
 
@@ -194,15 +230,23 @@ def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
         for label, own in sources.combs.items():
             if label == PRESAG:
                 continue
-            share, chance, correlation = agreement(sources.combs[PRESAG], own)
+            result = agreement(sources.combs[PRESAG], own)
             where = f"{k} kN/m, {label}"
             found += [
-                least(where, "peaks of the pre-sag that are peaks of the force", share, AGREEMENT),
-                Evidence(where, "the same by chance", chance, "%"),
-                Evidence(where, "rank correlation of all lines", correlation, "1"),
-            ]
+                least(where, "peaks of the pre-sag that are peaks of the force", result.share,
+                      MAJORITY),
+                most(where, "shifts of one comb along the other that agree as well",
+                     result.as_good, BY_CHANCE),
+                Evidence(where, "peaks in common by chance", result.chance, "%"),
+                Evidence(where, "rank correlation of all lines", result.correlation, "1"),
+            ]  # fmt: skip
     text = "The peaks in the spectrum of the force are highly consistent with those of the pre-sag."
-    return Claim("presag-force", "IV.A", text, tuple(found))
+    numbers = {int(peaks(own.combs[PRESAG]).sum()) for own in by_stiffness.values()}
+    remark = (
+        f"The pre-sag has {' or '.join(str(n) for n in sorted(numbers))} peaks between 1 and 10 m, "
+        "so one of them more or less decides."
+    )
+    return Claim("presag-force", "IV.A", text, tuple(found), remark if numbers else "")
 
 
 def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:
@@ -215,9 +259,13 @@ def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:
             where = PRESAG if label == PRESAG else f"{k} kN/m, {label}"
             peak = float(is_local_maximum(own, place))
             found.append(least(where, "local maximum within one line (1: yes)", peak, 1.0, "1"))
-            ratio = own.ratio(place, width=0.0)
-            found.append(least(where, "level over the median of the lines around", ratio,
-                               STANDS_OUT, "1"))  # fmt: skip
+            test = own.test(place, width=0.0)
+            found += [
+                least(where, "power over the mean of the lines around", test.ratio, test.limit,
+                      "1"),
+                Evidence(where, "lines that are within one line of a local maximum",
+                         share_near_maximum(own), "%"),
+            ]  # fmt: skip
     text = f"{name} stands out in the spectra of pre-sag and contact force."
     return Claim(f"source-{name.replace('/', '-')}", "IV.A", text, tuple(found))
 
@@ -250,10 +298,14 @@ def _main_source(by_stiffness: Mapping[int, Sources]) -> Claim:
         for label, own in sources.combs.items():
             if label == PRESAG:
                 continue
-            high = Comb(own.abscissa, np.where(own.abscissa > 0.27, own.value, 0.0))
-            halves = {name: sources.lengths[name] for name in FRACTIONS}
-            energy, _ = outside_share(high, halves)
+            high = own.abscissa > HALVES
+            inside = in_regions(own, {name: sources.lengths[name] for name in FRACTIONS})[high]
+            energy = own.value[high] ** 2
+            share = 100.0 * float(energy[inside].sum() / energy.sum())
+            where = f"{k} kN/m, {label}"
             text = "share of the four regions in the energy of waves below 3.7 m"
-            found.append(least(f"{k} kN/m, {label}", text, 100.0 - energy, 50.0))
+            found.append(least(where, text, share, MAJORITY))
+            text = "the same if the energy were spread evenly"
+            found.append(Evidence(where, text, 100.0 * float(inside.mean()), "%"))
     text = "Half and quarter of DD and SD are the main source of the high-frequency components."
     return Claim("main-source", "IV.A, VI.3", text, tuple(found))

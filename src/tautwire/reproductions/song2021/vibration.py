@@ -34,6 +34,12 @@ WIDTH = 0.05
 MESHES = {"DD/2": 9, "SD/2": 9, "DD/4": 15, "SD/4": 15}
 QUICK_MESHES = {"DD/2": 9, "SD/2": 9}
 
+MOST_SENSITIVE = 1000
+"""Most modes that are counted as sensitive to one wavelength."""
+
+CONTROLS = (0.8, 0.9, 1.1, 1.2)
+"""Control wavelengths over the wanted one."""
+
 VERTICAL = 0.5
 """Least share of the kinetic energy in the vertical motion of the contact wire."""
 
@@ -48,10 +54,12 @@ class Found:
     Attributes
     ----------
     name : str
-        As in ``"DD/2"``.
+        As in ``"DD/2"``, or ``"0.9 DD/2"`` for a control.
     wanted : float m
     searched : int
         Number of modes in the band.
+    sensitive : int
+        Number of them that are sensitive to the wavelength.
     numbers : mapping of str to float
         ``frequency`` [Hz], ``wavelength`` [m], ``participation``, ``concentration``, ``residual``;
         empty when no mode is sensitive to the wavelength.
@@ -64,15 +72,28 @@ class Found:
     name: str
     wanted: float
     searched: int
+    sensitive: int
     numbers: Mapping[str, float]
     x: Array
     shape: Array
     wavenumber: Array
     amplitude: Array
 
+    @property
+    def score(self) -> float:
+        """Vertical participation times concentration of the best mode; 0 without one."""
+        return self.numbers.get("participation", 0.0) * self.numbers.get("concentration", 0.0)
+
+
+def control(name: str, factor: float) -> str:
+    """Name a control wavelength."""
+    return f"{factor:g} {name}"
+
 
 def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = None) -> Study:
     """Make the study that searches the modes; the title of a case says for which length.
+
+    Every length is searched beside control lengths that mean nothing to the line.
 
     Parameters
     ----------
@@ -82,8 +103,9 @@ def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = No
         Values of the case to replace, by path.
     """
     variants = {
-        name: {"title": name, "settings.nodes_between_droppers": mesh}
+        title: {"title": title, "settings.nodes_between_droppers": mesh}
         for name, mesh in meshes.items()
+        for title in (name, *(control(name, factor) for factor in CONTROLS))
     }
     return Study.model_validate(
         {
@@ -105,14 +127,16 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
     _keep_run
         Without effect: there is no history to keep.
     """
-    wanted = line_lengths(case).named(elements=False)[case.title]
+    factor, _, name = case.title.rpartition(" ")
+    wanted = float(factor or 1.0) * line_lengths(case).named(elements=False)[name]
     model = build(case)
-    found = modes_sensitive_to(model, find_shape(model), wanted, width=WIDTH, count=5)
+    found = modes_sensitive_to(model, find_shape(model), wanted, width=WIDTH, count=MOST_SENSITIVE)
     values: dict[str, Any] = {
         "name": case.title,
         "wanted": wanted,
         "near": free_wire_frequency(case, wanted),
         "searched": found.counted,
+        "sensitive": len(found.frequencies),
     }
     if len(found.frequencies):
         score = found.participation * concentration(found, wanted)
@@ -148,9 +172,21 @@ def read(row: Mapping[str, Any]) -> Found:
         values["name"],
         values["wanted"],
         values["searched"],
+        values["sensitive"],
         values.get("numbers", {}),
         *(np.array(values.get(key, ())) for key in ("x", "shape", "wavenumber", "amplitude")),
     )
+
+
+def gather(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Found]:
+    """Read finished searches by name, controls included."""
+    return {name: read(row) for name, row in rows.items()}
+
+
+def controls(found: Mapping[str, Found], name: str) -> list[Found]:
+    """Return the searches at control wavelengths of a length."""
+    names = (control(name, factor) for factor in CONTROLS)
+    return [found[own] for own in names if own in found]
 
 
 def claims(found: Mapping[str, Found]) -> list[Claim]:
@@ -161,12 +197,13 @@ def claims(found: Mapping[str, Found]) -> list[Claim]:
     found
         Searches by name of the length.
     """
-    return [_mode(name, found.get(name)) for name in FRACTIONS]
+    return [*(_mode(name, found) for name in FRACTIONS), _special(found)]
 
 
-def _mode(name: str, found: Found | None) -> Claim:
+def _mode(name: str, every: Mapping[str, Found]) -> Claim:
     evidence: list[Evidence] = []
     remark = ""
+    found = every.get(name)
     if found is not None:
         numbers = found.numbers
         share, wavelength = (numbers.get(k, float("nan")) for k in ("participation", "wavelength"))
@@ -175,12 +212,66 @@ def _mode(name: str, found: Found | None) -> Claim:
             most("", "deviation of its wavelength", off, WAVELENGTH_WITHIN),
             least("", "vertical contact wire in its energy", share, VERTICAL, "1"),
         ]
-        remark = (
-            f"Best of {found.searched} modes: {numbers['frequency']:.2f} Hz, sensitive wavelength "
-            f"{wavelength:.3f} m ({name} is {found.wanted:.3f} m)."
-            if numbers
-            else f"None of {found.searched} modes within 5 % of the frequency of a bare wire is "
-            "sensitive to this wavelength."
-        )
+        remark = f"{_found_text(name, found)} {_control_text(every, name)}"
     text = f"There are modes whose sensitive wavelength is {name}."
     return Claim(f"mode-{name.replace('/', '-')}", "IV.B, VI.3", text, tuple(evidence), remark)
+
+
+def _found_text(name: str, found: Found) -> str:
+    numbers = found.numbers
+    if not numbers:
+        return (
+            f"None of {found.searched} modes within 5 % of the frequency of a bare wire is "
+            "sensitive to this wavelength."
+        )
+    return (
+        f"Best of {found.searched} modes: {numbers['frequency']:.2f} Hz, sensitive wavelength "
+        f"{numbers['wavelength']:.3f} m ({name} is {found.wanted:.3f} m)."
+    )
+
+
+def _control_text(every: Mapping[str, Found], name: str) -> str:
+    others = controls(every, name)
+    kept = [other.wanted for other in others if _is_found(other)]
+    if not others:
+        return ""
+    return (
+        f"By the same limits there are such modes for {len(kept)} of {len(others)} control "
+        f"wavelengths ({CONTROLS[0]:g} to {CONTROLS[-1]:g} times {name}), so that finding one says "
+        f"{'little' if kept else 'something'} about the line's own length."
+    )
+
+
+def _is_found(found: Found) -> bool:
+    numbers = found.numbers
+    if not numbers:
+        return False
+    off = 100.0 * abs(numbers["wavelength"] / found.wanted - 1.0)
+    return off <= WAVELENGTH_WITHIN and numbers["participation"] >= VERTICAL
+
+
+def _special(every: Mapping[str, Found]) -> Claim:
+    """Ask whether the line's own lengths find better modes than wavelengths that mean nothing."""
+    evidence: list[Evidence] = []
+    for name in FRACTIONS:
+        others = controls(every, name)
+        if name not in every or not others:
+            continue
+        own = every[name]
+        best = max(other.score for other in others)
+        evidence += [
+            Evidence(name, "participation times concentration of the best mode", own.score, "1",
+                     low=best),
+            Evidence(name, "lowest of the controls", min(o.score for o in others), "1"),
+            Evidence(name, "share of the modes searched that are sensitive to it",
+                     100.0 * own.sensitive / max(own.searched, 1), "%"),
+            Evidence(name, "the same, mean of the controls",
+                     100.0 * float(np.mean([o.sensitive / max(o.searched, 1) for o in others])),
+                     "%"),
+        ]  # fmt: skip
+    text = (
+        "Modes amplify the excitation at DD/2, SD/2, DD/4 and SD/4 (limit: their best mode is more "
+        f"sensitive than those of {len(CONTROLS)} control wavelengths; by chance one length in "
+        f"{len(CONTROLS) + 1} passes)."
+    )
+    return Claim("mode-special", "IV.B", text, tuple(evidence))
