@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from tautwire.reproductions.song2021.claims import NO_VALUE, VERDICTS
+from tautwire.reproductions.song2021.output import writers
 from tautwire.reproductions.song2021.passages import Scope
-from tautwire.reproductions.song2021.reproduction import reproduce, writers
+from tautwire.reproductions.song2021.reproduction import reproduce
 
 TINY = Scope("tiny", 9, (500,), (), (500,), ("heights",))
 SHORT = {"line.spans": 4}

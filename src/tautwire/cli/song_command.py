@@ -12,8 +12,9 @@ from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.study_command import MOST_WORKERS, StudyWatch
 from tautwire.cli.tables import files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.reproductions.song2021.output import writers
 from tautwire.reproductions.song2021.passages import FULL, QUICK
-from tautwire.reproductions.song2021.reproduction import STUDY, SongRecord, reproduce, writers
+from tautwire.reproductions.song2021.reproduction import STUDY, SongRecord, reproduce
 from tautwire.studies.executor import StudyError
 
 

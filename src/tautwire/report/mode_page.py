@@ -12,7 +12,7 @@ from tautwire import __version__
 from tautwire.analyses.wavelengths import LineLengths, line_lengths, name_peaks, presag_spectrum
 from tautwire.report.blocks import Heading, Section, Table, Text
 from tautwire.report.mode_figures import mode_figure, mode_spectrum_figure, spectrum_figure
-from tautwire.report.page import _render
+from tautwire.report.page import render
 from tautwire.report.sections import chart
 from tautwire.report.words import number
 from tautwire.results.equilibrium import Equilibrium
@@ -48,7 +48,7 @@ def write_modes_report(
         _shapes(found, shape, lengths),
         _presag(case, shape, lengths),
     ]
-    return write_text(path, _render(contents, _masthead(case, found)))
+    return write_text(path, render(contents, _masthead(case, found)))
 
 
 def _masthead(case: Case, found: Modes) -> dict[str, Any]:

@@ -90,7 +90,7 @@ def write_report(
         conditions_section(views),
         sections.animation_section(views),
     ]
-    return write_text(path, _render(contents, _masthead(views, title)))
+    return write_text(path, render(contents, _masthead(views, title)))
 
 
 def _matched(
@@ -137,8 +137,15 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
     }
 
 
-def _render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
-    """Fill the template."""
+def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
+    """Return a whole page: the template with its scripts, filled.
+
+    Parameters
+    ----------
+    contents : sequence of Section
+    masthead : dict
+        Heading, description and key facts.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from plotly.offline import get_plotlyjs
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from tautwire import __version__
 from tautwire.report.blocks import Callout, Cell, Details, Key, Keys, Section, Table, Text, Verdict
-from tautwire.report.page import _render
+from tautwire.report.page import render
 from tautwire.report.sections import chart
 from tautwire.report.study_figures import readable_axis, usual_figures
 from tautwire.report.words import counted, listing, number
@@ -54,7 +54,7 @@ def write_study_report(
         When the file cannot be written.
     """
     contents = [_summary(table), _figures(table), _rows(table), _definition(table)]
-    return write_text(path, _render(contents, _masthead(table, facts or {})))
+    return write_text(path, render(contents, _masthead(table, facts or {})))
 
 
 def _masthead(table: StudyTable, facts: Mapping[str, str]) -> dict[str, Any]:

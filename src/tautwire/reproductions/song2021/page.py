@@ -17,7 +17,7 @@ from tautwire.report.blocks import (
     Text,
     Verdict,
 )
-from tautwire.report.page import _render
+from tautwire.report.page import render
 from tautwire.report.words import MISSING, number
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.claims import (
@@ -75,7 +75,7 @@ def page_html(record: SongRecord) -> str:
         _evidence(record.claims),
         _conditions(record),
     ]
-    return _render(contents, _masthead(record))
+    return render(contents, _masthead(record))
 
 
 def _masthead(record: SongRecord) -> dict[str, object]:

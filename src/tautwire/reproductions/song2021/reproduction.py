@@ -1,13 +1,10 @@
-"""The whole reproduction: run what is needed, judge every claim, write page, JSON and CSV."""
+"""The whole reproduction: run what is needed and judge every claim."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,7 +34,6 @@ from tautwire.reproductions.song2021.passages import (
     passage_study,
     passages,
 )
-from tautwire.results.files import write_text
 from tautwire.specs.case import Source
 from tautwire.studies.run import Watch
 
@@ -242,34 +238,3 @@ def judge(material: Material) -> list[Claim]:
         *cutoffs.claims(material.curves),
         *step_claims.claims(own, material.trials),
     ]
-
-
-def writers(record: SongRecord) -> dict[str, Callable[[Path], object]]:
-    """Return the files of a record by name: how each is written to a path."""
-    from tautwire.reproductions.song2021.page import page_html
-
-    text = json.dumps(record.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    return {
-        "song2021.html": lambda path: write_text(path, page_html(record)),
-        "record.json": lambda path: write_text(path, text),
-        "record.csv": lambda path: write_text(path, record_csv(record)),
-    }
-
-
-def record_csv(record: SongRecord) -> str:
-    """Return the evidence as CSV, one row per number."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(
-        ("claim", "section", "verdict", "condition", "quantity", "found", "unit", "published",
-         "limits", "holds")
-    )  # fmt: skip
-    for claim in record.claims:
-        for item in claim.evidence:
-            wanted = "" if item.published is None else f"{item.published:g}"
-            writer.writerow(
-                (claim.name, claim.section, claim.verdict, item.condition, item.quantity,
-                 f"{item.found:.6g}", item.unit, wanted, item.requirement,
-                 "yes" if item.holds else "no")
-            )  # fmt: skip
-    return out.getvalue()
