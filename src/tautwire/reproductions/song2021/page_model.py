@@ -150,9 +150,9 @@ def _lines_table(material: Material, every: list[int]) -> Table:
                 mesh.force_comb(material.passages, standard(mesh.finer(m), k)).test(frequency),
                 mesh.difference_comb(material.passages, m, k).test(frequency),
             ):
-                mark = "" if test.stands_out else " no"
-                cells.append(f"{number(test.ratio, 1)} / {number(test.limit, 1)}{mark}")
-        rows.append((f"NAD {m}", f"{frequency:g} Hz", *cells))
+                mark = "" if test.stands_out else "\N{NO-BREAK SPACE}no"
+                cells.append(f"{number(test.ratio, 1)}/{number(test.limit, 1)}{mark}")
+        rows.append((f"NAD\N{NO-BREAK SPACE}{m}", f"{frequency:g}", *cells))
     heads = ("spectrum", "other mesh", "difference")
     return Table(
         "Element passing: power of the line over the mean power of the comb lines within 15 %, and "
@@ -160,7 +160,7 @@ def _lines_table(material: Material, every: list[int]) -> Table:
         "mesh itself, at the same place on NAD 18 (for NAD 18: on NAD 15), and in the spectrum of "
         "the difference of the two histories, in which the background cancels. The force is a comb "
         "of the span-passing frequency, so the line appears at the nearest multiples.",
-        ("mesh", "n v/Le", *(head for _ in every for head in heads)),
+        ("mesh", "n\N{NO-BREAK SPACE}v/Le [Hz]", *(head for _ in every for head in heads)),
         "lr" + "rrr" * len(every),
         tuple(rows),
         (("", 2), *((f"{k} kN/m", 3) for k in every)),
