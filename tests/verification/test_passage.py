@@ -80,12 +80,12 @@ def test_modified_newton_equals_full_newton() -> None:
 
 
 def test_default_tolerance_is_invisible() -> None:
-    """At the default tolerance of 1e-7 m the algebraic error of the contact force is at most
+    """At the default tolerance of 3e-8 m the algebraic error of the contact force is at most
     0.1 N rms (theory, section 8)."""
     tolerance = ac_simple().settings.tolerance
     coarse = run(tolerance=tolerance, **SHORT)
     error = coarse.contact_force - reference().contact_force
-    assert tolerance == 1e-7
+    assert tolerance == 3e-8
     assert float(np.sqrt((error**2).mean())) <= 0.1
 
 
