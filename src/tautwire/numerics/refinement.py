@@ -56,6 +56,8 @@ class AdaptiveStep:
         Losses that would last as long are not missed [s].
     most_losses
         Losses per pantograph after which the integration stops.
+    corrects_waves
+        Stiffen the wires against the loss of wave speed.
     """
 
     time_step: float

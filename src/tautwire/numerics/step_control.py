@@ -135,6 +135,8 @@ class VariableStep:
         The same as a contact force [N]; replaces ``tolerance``.
     most_losses
         Losses per pantograph after which the integration stops.
+    corrects_waves
+        Stiffen the wires against the loss of wave speed.
     """
 
     time_step: float
