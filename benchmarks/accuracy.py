@@ -17,9 +17,9 @@ import numpy as np
 import tautwire as tw
 from tautwire.model.equations import equations
 from tautwire.model.passage import plan_passage
-from tautwire.numerics.backend import make_stepper
+from tautwire.numerics.motion.backend import make_stepper
+from tautwire.numerics.motion.stepper import StepBlock, StepOptions
 from tautwire.numerics.newmark import Newmark
-from tautwire.numerics.stepper import StepBlock, StepOptions
 from tautwire.status import Status
 
 TIGHT = 1e-10

@@ -22,13 +22,13 @@ from tautwire.model.build import Model, interior_support_nodes
 from tautwire.model.equations import equations
 from tautwire.model.mesh import CONTACT
 from tautwire.model.passage import plan_passage
-from tautwire.numerics.backend import backend_name, make_stepper
-from tautwire.numerics.contact import ContactWirePath
+from tautwire.numerics.contact.path import ContactWirePath
+from tautwire.numerics.motion.backend import backend_name, make_stepper
+from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.motion.stepper import PantographInput, StepOptions
+from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import Newmark
-from tautwire.numerics.pantograph import PantographChain
-from tautwire.numerics.statics import StaticSolver
-from tautwire.numerics.stepper import PantographInput, StepOptions
-from tautwire.numerics.system import System
+from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]

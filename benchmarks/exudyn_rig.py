@@ -30,7 +30,7 @@ from exudyn.utilities import (
 from numpy.typing import NDArray
 
 from tautwire.specs.case import Case
-from tautwire.specs.wire import Wire
+from tautwire.specs.line.wire import Wire
 
 Array = NDArray[np.float64]
 RELATIVE_TOLERANCE = 1e-5

@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 
-from tautwire.studies.executor import LocalWorkers
+from tautwire.studies.execution.executor import LocalWorkers
 from tautwire.studies.plan import Plan, plan_study
 from tautwire.studies.run import Options, run_study
 from tautwire.studies.store import Store

@@ -15,9 +15,9 @@ import tautwire as tw
 from tautwire.model.equations import equations
 from tautwire.model.mesh import CONTACT
 from tautwire.model.passage import plan_passage
-from tautwire.numerics.backend import backend_name, make_stepper
+from tautwire.numerics.motion.backend import backend_name, make_stepper
+from tautwire.numerics.motion.stepper import StepOptions, Stepper
 from tautwire.numerics.newmark import Newmark
-from tautwire.numerics.stepper import StepOptions, Stepper
 
 BLOCK = 100
 WARM_UP = 300

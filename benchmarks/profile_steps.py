@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import machine
 from passage import WARM_UP, prepare
 
-from tautwire.numerics.backend import backend_name
-from tautwire.numerics.native_stepper import NativeStepper
+from tautwire.numerics.motion.backend import backend_name
+from tautwire.numerics.motion.native_stepper import NativeStepper
 
 STEPS = 1000
 

@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from tautwire.analyses.shape import find_shape
+from tautwire.analyses.road.shape import find_shape
 from tautwire.model.build import Model, build
 from tautwire.model.equations import equations
 from tautwire.model.passage import plan_passage
-from tautwire.numerics import ancf
-from tautwire.numerics.form_finding import Form, FormProblem, find_form
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.motion.reference_stepper import ReferenceStepper
+from tautwire.numerics.motion.stepper import PantographInput, StepOptions
+from tautwire.numerics.network.system import System, internal_force, lumped_mass
 from tautwire.numerics.newmark import Integrator, Newmark
-from tautwire.numerics.pantograph import PantographChain
-from tautwire.numerics.reference_stepper import ReferenceStepper
-from tautwire.numerics.stepper import PantographInput, StepOptions
-from tautwire.numerics.system import System, internal_force, lumped_mass
+from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 

@@ -14,22 +14,24 @@ Examples
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from tautwire.version import __version__
+
 if TYPE_CHECKING:
-    from tautwire.analyses.contact_loss import contact_loss
-    from tautwire.analyses.dynamics import iterate, simulate
-    from tautwire.analyses.elasticity import elasticity
-    from tautwire.analyses.loss_comparison import compare_losses
-    from tautwire.analyses.modes import modes
-    from tautwire.analyses.pipeline import run
-    from tautwire.analyses.shape import find_shape
-    from tautwire.analyses.statistics import contact_statistics
+    from tautwire.analyses.force.contact_loss import contact_loss
+    from tautwire.analyses.force.loss_comparison import compare_losses
+    from tautwire.analyses.force.statistics import contact_statistics
+    from tautwire.analyses.road.dynamics import iterate, simulate
+    from tautwire.analyses.road.elasticity import elasticity
+    from tautwire.analyses.road.pipeline import run
+    from tautwire.analyses.road.shape import find_shape
+    from tautwire.analyses.vibration.modes import modes
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
     from tautwire.model.build import Model, build
+    from tautwire.numerics.events.refinement import AdaptiveStep
+    from tautwire.numerics.events.step_control import ConstantStep, VariableStep
     from tautwire.numerics.newmark import HHT, Newmark
-    from tautwire.numerics.refinement import AdaptiveStep
-    from tautwire.numerics.step_control import ConstantStep, VariableStep
-    from tautwire.report.page import write_report
+    from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
     from tautwire.results.run import Run
     from tautwire.results.storage import load_run
@@ -37,8 +39,6 @@ if TYPE_CHECKING:
     from tautwire.specs.case import Case
     from tautwire.studies.run import run_study
     from tautwire.studies.study_file import load_study
-
-__version__ = "0.1.0"
 
 __all__ = [
     "HHT",
@@ -75,10 +75,10 @@ __all__ = [
 ]
 
 _HOMES = {
-    "AdaptiveStep": "tautwire.numerics.refinement",
+    "AdaptiveStep": "tautwire.numerics.events.refinement",
     "Butterworth": "tautwire.signals.filters",
     "Case": "tautwire.specs.case",
-    "ConstantStep": "tautwire.numerics.step_control",
+    "ConstantStep": "tautwire.numerics.events.step_control",
     "ConvergenceError": "tautwire.errors",
     "Equilibrium": "tautwire.results.equilibrium",
     "HHT": "tautwire.numerics.newmark",
@@ -89,22 +89,22 @@ _HOMES = {
     "Run": "tautwire.results.run",
     "SharpLowpass": "tautwire.signals.filters",
     "TautwireError": "tautwire.errors",
-    "VariableStep": "tautwire.numerics.step_control",
+    "VariableStep": "tautwire.numerics.events.step_control",
     "build": "tautwire.model.build",
-    "compare_losses": "tautwire.analyses.loss_comparison",
-    "contact_loss": "tautwire.analyses.contact_loss",
-    "contact_statistics": "tautwire.analyses.statistics",
-    "elasticity": "tautwire.analyses.elasticity",
-    "find_shape": "tautwire.analyses.shape",
-    "iterate": "tautwire.analyses.dynamics",
+    "compare_losses": "tautwire.analyses.force.loss_comparison",
+    "contact_loss": "tautwire.analyses.force.contact_loss",
+    "contact_statistics": "tautwire.analyses.force.statistics",
+    "elasticity": "tautwire.analyses.road.elasticity",
+    "find_shape": "tautwire.analyses.road.shape",
+    "iterate": "tautwire.analyses.road.dynamics",
     "load_case": "tautwire.inputs.load",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
-    "modes": "tautwire.analyses.modes",
-    "run": "tautwire.analyses.pipeline",
+    "modes": "tautwire.analyses.vibration.modes",
+    "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
-    "simulate": "tautwire.analyses.dynamics",
-    "write_report": "tautwire.report.page",
+    "simulate": "tautwire.analyses.road.dynamics",
+    "write_report": "tautwire.report.pages.run_page",
 }
 
 

@@ -82,7 +82,7 @@ def test_watch_speaks_sparsely(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Away from a terminal progress is a line per passage and one now and then."""
-    from tautwire.analyses.dynamics import Progress
+    from tautwire.analyses.road.dynamics import Progress
 
     now = [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])

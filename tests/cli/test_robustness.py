@@ -243,7 +243,7 @@ def test_unexpected_error(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> No
         raise ZeroDivisionError("division by zero")
 
     monkeypatch.setattr("tautwire.model.preflight.preflight", broken)
-    monkeypatch.setattr("tautwire.cli.check_command.preflight", broken)
+    monkeypatch.setattr("tautwire.cli.commands.check.preflight", broken)
     outcome = invoke("check", "ac-simple", "--json")
     assert outcome.code == 1
     assert outcome.document["error"]["kind"] == "internal"
@@ -257,7 +257,7 @@ def test_full_disk(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tautwire.cli.static_command.save_equilibrium", full)
+    monkeypatch.setattr("tautwire.cli.commands.static.save_equilibrium", full)
     outcome = invoke(*STATIC, "--out", "out", "--json")
     assert outcome.code == 1
     assert "out/static.nc: cannot be written (No space left on device)" in outcome.err
@@ -274,7 +274,7 @@ def test_failed_run_keeps_what_it_has(invoke: Invoke, monkeypatch: pytest.Monkey
     """A passage that does not converge ends with 1, a reason, and a result marked as failed."""
     from dataclasses import replace
 
-    from tautwire.numerics import backend
+    from tautwire.numerics.motion import backend
     from tautwire.results.storage import load_run
     from tautwire.status import Status
 
@@ -286,7 +286,7 @@ def test_failed_run_keeps_what_it_has(invoke: Invoke, monkeypatch: pytest.Monkey
         stepper.advance = lambda steps: replace(advance(steps), status=Status.NOT_CONVERGED)
         return stepper
 
-    monkeypatch.setattr("tautwire.analyses.dynamics.make_stepper", failing)
+    monkeypatch.setattr("tautwire.analyses.road.dynamics.make_stepper", failing)
     outcome = invoke("run", "ac-simple", *SHORT, "--out", "out", "--json")
     assert outcome.code == 1
     assert outcome.document["status"] == "failed"

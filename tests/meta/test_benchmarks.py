@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tautwire.numerics import backend
+from tautwire.numerics.motion import backend
 
 needs_core = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
 

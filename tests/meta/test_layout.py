@@ -47,7 +47,7 @@ def test_data_files_are_installed(root: Path) -> None:
 
 
 def test_version_stands_in_one_place(root: Path) -> None:
-    """The installed version is the one in ``tautwire/__init__.py``."""
+    """The installed version is the one in ``tautwire/version.py``."""
     try:
         installed = version("tautwire")
     except PackageNotFoundError:

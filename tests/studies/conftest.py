@@ -76,7 +76,7 @@ def start_study(place: Place) -> Start:
 
     def start(code: str, **options: Any) -> subprocess.Popen[str]:
         script = f"""
-            from tautwire.studies.executor import LocalWorkers
+            from tautwire.studies.execution.executor import LocalWorkers
             from tautwire.studies.run import Options, run_study
             from tautwire.studies.study_file import make_study
             folder = {str(place.folder)!r}

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.studies.cluster import DaskCluster
-from tautwire.studies.executor import Event, LocalWorkers, StudyError
+from tautwire.studies.execution.cluster import DaskCluster
+from tautwire.studies.execution.executor import Event, LocalWorkers, StudyError
+from tautwire.studies.execution.task import Job
 from tautwire.studies.plan import plan_study
 from tautwire.studies.run import Options, StudyProgress, run_study
-from tautwire.studies.task import Job
 
 from .conftest import HERE, Place, seeds
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.studies.executor import LocalWorkers, StudyError
+from tautwire.studies.execution.executor import LocalWorkers, StudyError
 from tautwire.studies.run import Options, StudyProgress, run_study
 from tautwire.studies.store import FolderLock
 

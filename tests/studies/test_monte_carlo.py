@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import yaml
 
-from tautwire.report.study_figures import usual_figures
-from tautwire.report.study_page import write_study_report
+from tautwire.report.figures.study_figures import usual_figures
+from tautwire.report.pages.study_page import write_study_report
 from tautwire.specs.study import Study
-from tautwire.studies.executor import LocalWorkers
+from tautwire.studies.execution.executor import LocalWorkers
 from tautwire.studies.plan import plan_study
 from tautwire.studies.run import Options, run_study
 from tautwire.studies.study_file import load_study, make_study

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tautwire.analyses.pipeline import run_case
-from tautwire.analyses.statistics import contact_statistics
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.pipeline import run_case
 from tautwire.inputs.load import load_case
 from tautwire.results.storage import load_run
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tautwire.analyses.statistics import contact_statistics
+from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.assessment.checks import Check, checks
 from tautwire.assessment.limits import Limits, load_limits
 from tautwire.errors import InputError

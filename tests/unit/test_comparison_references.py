@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tautwire.analyses.statistics import contact_statistics
+from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.assessment.references import (
     ReferenceRow,
     compare_elasticity,

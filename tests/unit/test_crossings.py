@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.crossings import (
+from tautwire.numerics.events.crossings import (
     crossings_between,
     divide_step,
     lost_spans,
     suspect_times,
 )
-from tautwire.numerics.step_control import LossCounter, Task, VariableStep
-from tautwire.numerics.stepper import StepBlock, StepCounters
+from tautwire.numerics.events.step_control import LossCounter, Task, VariableStep
+from tautwire.numerics.motion.stepper import StepBlock, StepCounters
 from tautwire.status import Status
 
 Array = NDArray[np.float64]

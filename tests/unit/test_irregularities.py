@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tautwire.model.irregularity import SURFACE_SPACING, draw_irregularities, surface_profile
-from tautwire.numerics.stepper import SurfaceProfile
+from tautwire.numerics.motion.stepper import SurfaceProfile
 from tautwire.results.irregularity import DrawnIrregularities
 
 from ..lines import ac_simple

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from tautwire.catalogue.entries import copy_case, list_entries, read_entry
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.paths import parse_path
-from tautwire.library import copy_case, list_entries, read_entry
 
 CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 

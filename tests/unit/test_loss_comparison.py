@@ -8,8 +8,8 @@ import json
 import numpy as np
 import pytest
 
-from tautwire.analyses.contact_loss import contact_loss
-from tautwire.analyses.loss_comparison import compare_losses
+from tautwire.analyses.force.contact_loss import contact_loss
+from tautwire.analyses.force.loss_comparison import compare_losses
 from tautwire.errors import InputError
 from tautwire.results.run import ContactEvents, Run
 from tautwire.results.statistics import ARC_NOTE, ContactLoss, LossEvent

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tautwire.analyses.contact_wire import wavenumber_spectrum
-from tautwire.analyses.space_time import SpaceTime
-from tautwire.analyses.transmissibility import Receptance
-from tautwire.report import mode_figures
+from tautwire.analyses.vibration.contact_wire import wavenumber_spectrum
+from tautwire.analyses.vibration.space_time import SpaceTime
+from tautwire.analyses.vibration.transmissibility import Receptance
+from tautwire.report.figures import mode_figures
 from tautwire.results.modes import Modes
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics import ancf
-from tautwire.numerics.hermite import position_row
-from tautwire.numerics.quadrature import gauss_unit
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.elements.hermite import position_row
+from tautwire.numerics.elements.quadrature import gauss_unit
 
 STEP = 1e-30
 COUNT = 12

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.banded import BandedCholesky, Pattern
-from tautwire.numerics.system import (
+from tautwire.numerics.network.banded import BandedCholesky, Pattern
+from tautwire.numerics.network.system import (
     System,
     dropper_axial_force,
     internal_force,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.contact import ContactWirePath
-from tautwire.numerics.hermite import position_row
+from tautwire.numerics.contact.path import ContactWirePath
+from tautwire.numerics.elements.hermite import position_row
 
 LENGTHS = np.array([0.7, 0.55, 0.9, 0.7])
 

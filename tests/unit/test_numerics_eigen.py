@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.eigen import BandedLU, negative_eigenvalues
+from tautwire.numerics.vibration.eigen import BandedLU, negative_eigenvalues
 
 
 def banded(size: int, width: int, seed: int, *, is_complex: bool = False) -> Any:

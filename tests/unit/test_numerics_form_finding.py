@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tautwire.model.build import build
-from tautwire.numerics.form_finding import _FormFinder, find_form
+from tautwire.numerics.statics.form_finding import _FormFinder, find_form
 from tautwire.status import Status
 
 from ..lines import ac_simple

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.newton import NewtonResult, NewtonSettings, damped_newton
+from tautwire.numerics.statics.newton import NewtonResult, NewtonSettings, damped_newton
 from tautwire.status import Status
 
 Array = NDArray[np.float64]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tautwire.numerics.motion.pantograph import PantographChain, PantographStep
+from tautwire.numerics.motion.stepper import PantographInput, RoofMotion
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
-from tautwire.numerics.pantograph import PantographChain, PantographStep
-from tautwire.numerics.stepper import PantographInput, RoofMotion
 
 BENCHMARK = PantographChain(
     np.array([7.5, 9.0, 6.0]),

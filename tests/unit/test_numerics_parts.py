@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tautwire.numerics.bar import bar_state, bar_tangent
-from tautwire.numerics.corotation import NodeRotation, unit_tangents
-from tautwire.numerics.hermite import derivative_tables, position_row, slope_row
-from tautwire.numerics.quadrature import gauss_unit
+from tautwire.numerics.elements.bar import bar_state, bar_tangent
+from tautwire.numerics.elements.hermite import derivative_tables, position_row, slope_row
+from tautwire.numerics.elements.quadrature import gauss_unit
+from tautwire.numerics.motion.corotation import NodeRotation, unit_tangents
 
 STEP = 1e-30
 

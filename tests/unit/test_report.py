@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tautwire.analyses.contact_loss import contact_loss
+from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.errors import InputError
 from tautwire.model.irregularity import draw_irregularities
-from tautwire.report.page import without_addresses, write_report
+from tautwire.report.pages.run_page import without_addresses, write_report
 from tautwire.results.run import Run
 
 from .synthetic import make_case, make_elasticity, make_run

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tautwire.report.page import write_report
+from tautwire.report.pages.run_page import write_report
 
 from .synthetic import make_case, make_elasticity, make_run
 

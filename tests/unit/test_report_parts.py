@@ -13,16 +13,17 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.report import packing, words
-from tautwire.report.conditions import GROUPS, input_values, source_of
-from tautwire.report.force_figures import passings
-from tautwire.report.tables import (
+from tautwire.report.figures import packing
+from tautwire.report.figures.force_figures import passings
+from tautwire.report.parts import words
+from tautwire.report.parts.conditions import GROUPS, input_values, source_of
+from tautwire.report.parts.tables import (
     dropper_table_csv,
     force_history_csv,
     write_dropper_table,
     write_force_history,
 )
-from tautwire.report.views import labels_of, prepare
+from tautwire.report.parts.views import labels_of, prepare
 
 from .synthetic import make_case, make_equilibrium, make_run
 
@@ -214,7 +215,8 @@ def test_importing_the_page_is_light() -> None:
     import sys
 
     code = (
-        "import sys, tautwire.report.page; print({'plotly', 'jinja2', 'scipy'} & set(sys.modules))"
+        "import sys, tautwire.report.pages.run_page;"
+        "print({'plotly', 'jinja2', 'scipy'} & set(sys.modules))"
     )
     answer = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True

@@ -68,7 +68,7 @@ def test_every_published_range_is_judged(record: Record) -> None:
 
 def test_claims_agree_with_the_comparison(record: Record) -> None:
     """Numbers are in the published unit and carry the verdict of the comparison."""
-    from tautwire.analyses.statistics import contact_statistics
+    from tautwire.analyses.force.statistics import contact_statistics
 
     run = record.runs["250 km/h"]
     rows = compare_with_reference(

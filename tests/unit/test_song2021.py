@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tautwire.reproductions.song2021 import mesh, published, sources, steps, vibration
+from tautwire.reproductions.song2021 import published, sources
 from tautwire.reproductions.song2021.claims import (
     CONDITIONAL,
     NO_VALUE,
@@ -18,12 +18,6 @@ from tautwire.reproductions.song2021.claims import (
     most,
     near,
 )
-from tautwire.reproductions.song2021.forces import Comb, comb
-from tautwire.reproductions.song2021.irregular import (
-    STEPS,
-    irregular_passages,
-    irregular_study,
-)
 from tautwire.reproductions.song2021.passages import (
     FULL,
     MESHES,
@@ -33,6 +27,13 @@ from tautwire.reproductions.song2021.passages import (
     passage_study,
     passages,
     standard,
+)
+from tautwire.reproductions.song2021.sections import mesh, steps, vibration
+from tautwire.reproductions.song2021.sections.forces import Comb, comb
+from tautwire.reproductions.song2021.sections.irregular import (
+    STEPS,
+    irregular_passages,
+    irregular_study,
 )
 from tautwire.results.statistics import ContactLoss, LossEvent
 from tautwire.signals.spectra import amplitude_spectrum

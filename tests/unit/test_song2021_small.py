@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tautwire.reproductions.song2021.claims import NO_VALUE, VERDICTS
-from tautwire.reproductions.song2021.output import writers
+from tautwire.reproductions.song2021.pages.output import writers
 from tautwire.reproductions.song2021.passages import Scope
 from tautwire.reproductions.song2021.reproduction import reproduce
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tautwire.analyses.space_time import wire_velocity
+from tautwire.analyses.vibration.space_time import wire_velocity
 from tautwire.errors import InputError
 from tautwire.results.run import Run, Snapshots
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tautwire.analyses.contact_loss import contact_loss, nearest_place
-from tautwire.analyses.section import analysed_section, time_in_section
-from tautwire.analyses.spectrum import filtered_force, force_spectrum
-from tautwire.analyses.statistics import contact_statistics, force_histogram
+from tautwire.analyses.force.contact_loss import contact_loss, nearest_place
+from tautwire.analyses.force.section import analysed_section, time_in_section
+from tautwire.analyses.force.spectrum import filtered_force, force_spectrum
+from tautwire.analyses.force.statistics import contact_statistics, force_histogram
 from tautwire.errors import InputError
 from tautwire.results.run import Run
 from tautwire.signals.filters import Butterworth, SharpLowpass

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tautwire import library
+from tautwire.catalogue.entries import copy_case
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.studies.plan import Plan, key_of, pending, plan_study
@@ -184,7 +184,7 @@ def test_too_many_cases_are_refused() -> None:
 
 def test_base_beside_the_study(tmp_path: Path) -> None:
     """The base may be a file; a missing one is refused by name."""
-    library.copy_case("ac-simple", tmp_path / "line.yaml")
+    copy_case("ac-simple", tmp_path / "line.yaml")
     made = plan({"settings.seed": {"seeds": 2}}, base=str(tmp_path / "line.yaml"))
     assert made.case(made.points[0]).name == "line"
     assert "there is no such" in refusal({"settings.seed": [1]}, base=str(tmp_path / "no.yaml"))

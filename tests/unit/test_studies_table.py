@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.report.study_figures import groups, readable_axis, usual_figures
-from tautwire.report.study_page import write_study_report
+from tautwire.report.figures.study_figures import groups, readable_axis, usual_figures
+from tautwire.report.pages.study_page import write_study_report
 from tautwire.signals.bands import BANDS, band_name
+from tautwire.studies.execution.task import lost_row
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import Plan, plan_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import make_study
 from tautwire.studies.table import StudyTable, collect
-from tautwire.studies.task import lost_row
 
 AXES = {
     "scenario.speed": ["250 km/h", "300 km/h", "600 km/h"],

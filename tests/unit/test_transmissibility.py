@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tautwire.analyses.transmissibility import (
+from tautwire.analyses.vibration.transmissibility import (
     Receptance,
     advise_contact_stiffness,
     head_resonance,
@@ -16,8 +16,8 @@ from tautwire.analyses.transmissibility import (
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model
-from tautwire.numerics.harmonic import HarmonicLine
-from tautwire.numerics.system import System
+from tautwire.numerics.network.system import System
+from tautwire.numerics.vibration.harmonic import HarmonicLine
 from tautwire.results.equilibrium import Equilibrium
 
 from ..lines import ac_simple, found, oscillator
@@ -53,7 +53,7 @@ def test_low_frequency_is_static(line: Line) -> None:
     """Towards 0 Hz the receptance is the flexibility of the static tangent."""
     from scipy.sparse.linalg import spsolve
 
-    from tautwire.numerics.eigen import Vibration
+    from tautwire.numerics.vibration.eigen import Vibration
 
     model, shape, system = line
     x = float(shape.dropper_x[4])

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from tautwire.analyses.contact_wire import even_points, wavenumber_spectrum
-from tautwire.analyses.cutoff import advise_cutoff, missed_deviation
-from tautwire.analyses.wavelengths import (
+from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
+from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spectrum
+from tautwire.analyses.vibration.wavelengths import (
     line_lengths,
     name_peaks,
     presag_spectrum,

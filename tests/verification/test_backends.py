@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics import ancf, backend
-from tautwire.numerics.dispersion import wave_stiffening
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion import backend
+from tautwire.numerics.motion.dispersion import wave_stiffening
+from tautwire.numerics.motion.stepper import RoofMotion, StepBlock, StepOptions, SurfaceProfile
 from tautwire.numerics.newmark import HHT, Newmark
-from tautwire.numerics.stepper import RoofMotion, StepBlock, StepOptions, SurfaceProfile
 from tautwire.status import Status
 
 from ..lines import ac_simple, entering, moved, straight_wire

@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import spsolve
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
-from tautwire.numerics.banded import Pattern
-from tautwire.numerics.newton import NewtonSettings, damped_newton
-from tautwire.numerics.statics import StaticSolver
-from tautwire.numerics.system import System, internal_force, tangent_parts
+from tautwire.numerics.network.banded import Pattern
+from tautwire.numerics.network.system import System, internal_force, tangent_parts
+from tautwire.numerics.statics.loaded_line import StaticSolver
+from tautwire.numerics.statics.newton import NewtonSettings, damped_newton
 from tautwire.status import Status
 
 from ..lines import CONTACT_WIRE, hang, straight_wire, wire_elements

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.motion.stepper import PantographInput, RoofMotion, StepBlock
+from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
-from tautwire.numerics.pantograph import PantographChain
-from tautwire.numerics.stepper import PantographInput, RoofMotion, StepBlock
-from tautwire.numerics.system import System
 
 from ..lines import ac_simple, entering, moved, one_stage, passage, stepper, straight_wire
 

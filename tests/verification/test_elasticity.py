@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
-from tautwire.analyses.elasticity import elasticity
-from tautwire.numerics.banded import Pattern
-from tautwire.numerics.newton import NewtonSettings, damped_newton
-from tautwire.numerics.statics import StaticSolver
-from tautwire.numerics.stepper import PantographInput
-from tautwire.numerics.system import System, internal_force, tangent_parts
+from tautwire.analyses.road.elasticity import elasticity
+from tautwire.numerics.motion.stepper import PantographInput
+from tautwire.numerics.network.banded import Pattern
+from tautwire.numerics.network.system import System, internal_force, tangent_parts
+from tautwire.numerics.statics.loaded_line import StaticSolver
+from tautwire.numerics.statics.newton import NewtonSettings, damped_newton
 from tautwire.results.equilibrium import Elasticity
 from tautwire.status import Status
 

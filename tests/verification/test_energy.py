@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics import backend
-from tautwire.numerics.dispersion import wave_stiffening
+from tautwire.numerics.motion import backend
+from tautwire.numerics.motion.dispersion import wave_stiffening
+from tautwire.numerics.motion.stepper import StepOptions
+from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
-from tautwire.numerics.statics import StaticSolver
-from tautwire.numerics.stepper import StepOptions
-from tautwire.numerics.system import System
+from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.status import Status
 
 from ..lines import ac_simple, found, kinetic_energy, potential_energy, stepper

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.numerics.network.system import System, weight_load
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
-from tautwire.numerics.system import System, weight_load
 
 from ..lines import ac_simple, oscillator, passage, stepper, wire_elements
 

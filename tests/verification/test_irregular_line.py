@@ -15,9 +15,9 @@ import pytest
 from numpy.typing import NDArray
 
 import tautwire as tw
-from tautwire.analyses.dynamics import Simulation
+from tautwire.analyses.road.dynamics import Simulation
 from tautwire.errors import ConvergenceError, ModelError
-from tautwire.numerics.backend import native_available
+from tautwire.numerics.motion.backend import native_available
 from tautwire.specs.case import Case
 
 from ..lines import ac_simple

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.analyses.modes import (
+from tautwire.analyses.vibration.modes import (
     free_wire_frequency,
     mode_spectrum,
     modes,
     modes_between,
     modes_sensitive_to,
 )
-from tautwire.analyses.wavelengths import line_lengths
+from tautwire.analyses.vibration.wavelengths import line_lengths
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model
-from tautwire.numerics.eigen import Vibration
-from tautwire.numerics.system import System
+from tautwire.numerics.network.system import System
+from tautwire.numerics.vibration.eigen import Vibration
 from tautwire.results.equilibrium import Equilibrium
 
 from ..lines import CONTACT_WIRE, ac_simple, found, straight_wire, stretch_under

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics import ancf
-from tautwire.numerics.hermite import derivative_tables
-from tautwire.numerics.quadrature import gauss_unit
-from tautwire.numerics.stepper import StepBlock
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.elements.hermite import derivative_tables
+from tautwire.numerics.elements.quadrature import gauss_unit
+from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.status import Status
 
 from ..lines import ac_simple, passage

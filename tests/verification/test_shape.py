@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.analyses.shape import find_shape
+from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import ModelError
 from tautwire.model.build import build
-from tautwire.numerics.system import internal_force
+from tautwire.numerics.network.system import internal_force
 from tautwire.results.equilibrium import Equilibrium
 
 from ..lines import ac_simple, found, out_of_balance

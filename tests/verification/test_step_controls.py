@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.crossings import crossings_between
-from tautwire.numerics.refinement import AdaptiveStep
-from tautwire.numerics.step_control import ConstantStep, StepControl, Task, VariableStep
-from tautwire.numerics.stepper import PantographInput, StepBlock
-from tautwire.numerics.system import System
+from tautwire.numerics.events.crossings import crossings_between
+from tautwire.numerics.events.refinement import AdaptiveStep
+from tautwire.numerics.events.step_control import ConstantStep, StepControl, Task, VariableStep
+from tautwire.numerics.motion.stepper import PantographInput, StepBlock
+from tautwire.numerics.network.system import System
 from tautwire.signals.losses import counted_intervals
 from tautwire.status import Status
 

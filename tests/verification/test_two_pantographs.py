@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.stepper import StepBlock
+from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.specs.case import Case
 
 from ..lines import ac_simple, entering, moved, passage, stepper

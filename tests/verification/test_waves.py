@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
 
-from tautwire.numerics.banded import Pattern
-from tautwire.numerics.stepper import PantographInput
-from tautwire.numerics.system import System, lumped_mass, mass_parts, tangent_parts
+from tautwire.numerics.motion.stepper import PantographInput
+from tautwire.numerics.network.banded import Pattern
+from tautwire.numerics.network.system import System, lumped_mass, mass_parts, tangent_parts
 
 from ..lines import CONTACT_WIRE, one_stage, stepper, straight_wire, stretch_under
 

@@ -1,1 +1,1 @@
-"""The compiled core; only :mod:`tautwire.numerics.backend` imports it."""
+"""The compiled core; only :mod:`tautwire.numerics.motion.backend` imports it."""

@@ -1,4 +1,4 @@
-"""What the compiled core offers; only tautwire.numerics.backend and native_stepper use it."""
+"""What the compiled core offers; only ``backend`` and ``native_stepper`` use it."""
 
 from typing import Any
 

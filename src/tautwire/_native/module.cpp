@@ -194,7 +194,7 @@ void run_cables(CableKernel kernel, std::size_t factor, const In<double>& e, con
 
 NB_MODULE(_core, m) {
     chosen = choose_backend(std::getenv("TAUTWIRE_SIMD"));
-    m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.backend.";
+    m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
     m.attr("instruction_set") = chosen->name;
     m.attr("lanes") = chosen->lanes;
     m.def("cable_force", [](const In<double>& e, const In<double>& length, const In<double>& axial,

@@ -34,7 +34,7 @@ def read_library(name: str, model: type[Entry]) -> Entry:
     model : type
         What the file must hold.
     """
-    text = files("tautwire").joinpath("library", name).read_text(encoding="utf-8")
+    text = files("tautwire").joinpath("catalogue", name).read_text(encoding="utf-8")
     return _parse(text, name, model)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from typing import Literal
 
-from tautwire import __version__
 from tautwire.errors import InputError
+from tautwire.version import __version__
 
 
 def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
@@ -22,7 +22,7 @@ def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     InputError
         When it asks for the compiled core and this installation has none.
     """
-    from tautwire.numerics.backend import backend_name
+    from tautwire.numerics.motion.backend import backend_name
 
     try:
         return backend_name(choice)

@@ -132,7 +132,7 @@ def cases(
 ) -> None:
     """List what the library holds, show an entry, or copy one to start your own line from."""
     with answering(as_json) as answer:
-        from tautwire.cli.library_commands import copy_entry, list_library, show_entry
+        from tautwire.cli.commands.library import copy_entry, list_library, show_entry
 
         if name is None:
             list_library(answer, copying=copy is not None)
@@ -146,7 +146,7 @@ def cases(
 def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption = False) -> None:
     """Check an input: every error at once, wave quantities, advice. Nothing is computed."""
     with answering(as_json) as answer:
-        from tautwire.cli.check_command import check_case
+        from tautwire.cli.commands.check import check_case
 
         check_case(answer, case, overrides or [])
 
@@ -163,7 +163,7 @@ def static(
     With --out the dropper table, the elasticity and the static state are written as files.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.static_command import find_static
+        from tautwire.cli.commands.static import find_static
 
         find_static(answer, case, overrides or [], out)
 
@@ -186,7 +186,7 @@ def run(
     passage and keeps what was computed.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.run_command import RunRequest, run_passage
+        from tautwire.cli.commands.run import RunRequest, run_passage
 
         request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report)
         run_passage(answer, request)
@@ -211,7 +211,7 @@ def report(
 ) -> None:  # fmt: skip
     """Write one HTML report about one run, or about several runs overlaid."""
     with answering(as_json) as answer:
-        from tautwire.cli.result_commands import report_runs
+        from tautwire.cli.commands.results import report_runs
 
         report_runs(answer, runs, out or Path("report.html"), system, free_uplift)
 
@@ -238,7 +238,7 @@ def losses(
 ) -> None:  # fmt: skip
     """List the losses of contact of a run, or compare those of several runs one by one."""
     with answering(as_json) as answer:
-        from tautwire.cli.loss_command import show_losses
+        from tautwire.cli.commands.losses import show_losses
 
         show_losses(answer, runs, pantograph, counted=counted)
 
@@ -281,7 +281,7 @@ def compare(
 ) -> None:  # fmt: skip
     """Compare a run with a measured one, after EN 50318."""
     with answering(as_json) as answer:
-        from tautwire.cli.result_commands import Measurement, compare_run
+        from tautwire.cli.commands.results import Measurement, compare_run
 
         wanted = Measurement(measured, pantograph, offset, filtered)
         compare_run(answer, run_file, wanted, out)
@@ -310,10 +310,10 @@ def reproduce(
     song2021 keeps every finished passage in its folder; started again, it computes the rest.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.reproduce_command import SONG, reproduce_study
+        from tautwire.cli.commands.reproduce import SONG, reproduce_study
 
         if study == SONG:
-            from tautwire.cli.song_command import reproduce_song
+            from tautwire.cli.commands.song import reproduce_song
 
             reproduce_song(answer, out, workers, quick=quick)
         else:

@@ -51,7 +51,7 @@ def modes(
 ) -> None:
     """Find modes of vibration, ranked by the vertical motion of the contact wire."""
     with answering(as_json) as answer:
-        from tautwire.cli.modes_command import ModesRequest, find_modes
+        from tautwire.cli.commands.modes import ModesRequest, find_modes
 
         request = ModesRequest(case, overrides or [], near, count, wavelength, out)
         find_modes(answer, request)
@@ -93,7 +93,7 @@ def study(
     Every finished case is on disk at once. Whatever stops the study, --resume goes on with it.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.study_command import StudyRequest, run_study_file
+        from tautwire.cli.commands.study import StudyRequest, run_study_file
         from tautwire.studies.run import Options
 
         options = Options(resume=resume or retry_failed, retry_failed=retry_failed)
@@ -114,6 +114,6 @@ def advise(
     a quarter of the shortest interval, and the contact stiffness that keeps head and wire together.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.advise_command import give_advice
+        from tautwire.cli.commands.advise import give_advice
 
         give_advice(answer, case, overrides or [], band)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
     from rich.progress import TaskID
 
-    from tautwire.analyses.dynamics import Progress
+    from tautwire.analyses.road.dynamics import Progress
 
 SECONDS_BETWEEN_LINES = 20.0
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tautwire import library
+from tautwire.catalogue.entries import list_entries, read_entry
 from tautwire.errors import InputError
 from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, neighbours, read_case_text
@@ -132,12 +132,12 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
 
 @lru_cache(maxsize=8)
 def _library_document(name: str) -> Document:
-    content = parse_document(library.read_entry(name), name, ".yaml")
+    content = parse_document(read_entry(name), name, ".yaml")
     return Document(name, name, None, content)
 
 
 def _library_names() -> list[str]:
-    return [entry.name for entry in library.list_entries()]
+    return [entry.name for entry in list_entries()]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tautwire import library
+from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
 from tautwire.inputs.composition import Composition, compose
 from tautwire.inputs.messages import describe
@@ -69,7 +69,7 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
 
 
 def _refuse_pantograph(reference: str | Path) -> None:
-    for entry in library.list_entries():
+    for entry in list_entries():
         if entry.name == reference and entry.kind != "case":
             raise InputError(
                 f"{entry.name}: is a {entry.kind}, not a case; put 'include: {entry.name}' into "

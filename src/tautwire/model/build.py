@@ -11,8 +11,8 @@ from tautwire.model.arms import given_arms
 from tautwire.model.guess import StringWire, coupled_shape, string_shape
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.model.mesh import CONTACT, MESSENGER, Mesh, divide
-from tautwire.numerics.form_finding import FormProblem
-from tautwire.numerics.system import System
+from tautwire.numerics.network.system import System
+from tautwire.numerics.statics.form_finding import FormProblem
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.model.build import Model, arm_half_weight, interior_support_nodes
 from tautwire.model.mesh import CONTACT, MESSENGER
-from tautwire.numerics.system import System, weight_load
+from tautwire.numerics.network.system import System, weight_load
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[Any]

@@ -11,10 +11,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.stepper import SurfaceProfile
+from tautwire.numerics.motion.stepper import SurfaceProfile
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
-from tautwire.specs.irregularity import Installation, Unevenness, installation_values
+from tautwire.specs.line.irregularity import Installation, Unevenness, installation_values
 
 Array = NDArray[np.float64]
 

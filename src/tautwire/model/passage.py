@@ -10,8 +10,8 @@ import numpy as np
 from tautwire.errors import ModelError
 from tautwire.model.build import Model
 from tautwire.model.irregularity import surface_profile
-from tautwire.numerics.pantograph import PantographChain
-from tautwire.numerics.stepper import PantographInput, RoofMotion
+from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.motion.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.pantograph import Pantograph
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tautwire.analyses.dynamics import Progress
-from tautwire.analyses.pipeline import run_case
-from tautwire.analyses.statistics import contact_statistics
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.dynamics import Progress
+from tautwire.analyses.road.pipeline import run_case
 from tautwire.assessment.references import compare_with_reference, load_references
 from tautwire.inputs.load import load_case
 from tautwire.reproductions.record import DOUBTFUL, Claim, Record, claims_of

@@ -12,14 +12,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from tautwire import __version__
 from tautwire.assessment.references import ReferenceRow
-from tautwire.report.page import write_report
-from tautwire.report.words import MISSING, quantity
+from tautwire.report.pages.run_page import write_report
+from tautwire.report.parts.words import MISSING, quantity
 from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
 from tautwire.specs.case import Source
+from tautwire.version import __version__
 
 DOUBTFUL = ("memory", "calibrated")
 """Confidence of inputs that a reader must know about."""

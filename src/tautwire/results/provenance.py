@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-from tautwire import __version__
 from tautwire.specs.case import Case
+from tautwire.version import __version__
 
 
 def provenance(case: Case, backend: str) -> dict[str, str]:

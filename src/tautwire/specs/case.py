@@ -9,15 +9,15 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tautwire.specs.base import Spec, Typical, refuse
-from tautwire.specs.catenary import Line
 from tautwire.specs.checks import find_contradictions
-from tautwire.specs.dropper import Droppers
-from tautwire.specs.irregularity import Irregularities
+from tautwire.specs.line.catenary import Line
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.irregularity import Irregularities
+from tautwire.specs.line.support import Supports
+from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
-from tautwire.specs.support import Supports
-from tautwire.specs.wire import Wires
 
 SCHEMA_VERSION = 1
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]

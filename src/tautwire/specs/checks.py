@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tautwire.specs.base import Problem
-from tautwire.specs.catenary import Line
-from tautwire.specs.dropper import Droppers
-from tautwire.specs.irregularity import check_irregularities
+from tautwire.specs.line.catenary import Line
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.irregularity import check_irregularities
+from tautwire.specs.line.support import Supports
+from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
-from tautwire.specs.support import Supports
-from tautwire.specs.wire import Wires
 
 MIN_SPACING = 0.05
 """Smallest distance [m] between neighbouring attachment points."""

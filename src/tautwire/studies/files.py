@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tautwire import __version__
 from tautwire.results.files import replacing, write_text
 from tautwire.studies.table import StudyTable, Variable
+from tautwire.version import __version__
 
 
 def save_csv(table: StudyTable, path: str | os.PathLike[str]) -> Path:

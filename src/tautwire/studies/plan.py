@@ -11,13 +11,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from tautwire import __version__
 from tautwire.errors import InputError
 from tautwire.inputs.composition import compose
 from tautwire.inputs.load import make_case
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
 from tautwire.studies.axes import Coordinate, Dimension, write_out
+from tautwire.version import __version__
 
 ROW_FORMAT = 1
 """Changes with what is computed per case; rows of another format are computed again."""

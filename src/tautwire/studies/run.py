@@ -11,11 +11,11 @@ from pathlib import Path
 
 from tautwire.errors import InputError
 from tautwire.specs.study import Study
-from tautwire.studies.executor import Event, Executor, LocalWorkers
+from tautwire.studies.execution.executor import Event, Executor, LocalWorkers
+from tautwire.studies.execution.task import FAILED, STANDARD_TASK, Job
 from tautwire.studies.plan import Plan, pending, plan_study
 from tautwire.studies.store import FolderLock, Store
 from tautwire.studies.table import StudyTable, collect
-from tautwire.studies.task import FAILED, STANDARD_TASK, Job
 
 _PULSE = 0.2
 """Time between two looks at signals and progress [s]."""

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from tautwire import library
+from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
 from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, read_case_text
@@ -64,7 +64,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
         raise InputError(f"{file}: is no study file; its name must end in {', '.join(SUFFIXES)}")
     data = parse_document(read_case_text(file), str(file), file.suffix)
     study = make_study(data, label=str(file))
-    if study.base in {entry.name for entry in library.list_entries()}:
+    if study.base in {entry.name for entry in list_entries()}:
         return study
     return study.with_(base=str(file.parent / study.base))
 

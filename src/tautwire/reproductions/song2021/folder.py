@@ -7,11 +7,11 @@ from typing import Any
 
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
-from tautwire.studies.executor import LocalWorkers
+from tautwire.studies.execution.executor import LocalWorkers
+from tautwire.studies.execution.task import DONE, STANDARD_TASK
 from tautwire.studies.plan import Plan, plan_study
 from tautwire.studies.run import Options, Watch, core_count, run_study
 from tautwire.studies.store import Store
-from tautwire.studies.task import DONE, STANDARD_TASK
 
 PASSAGES = ("passages", "irregular")
 """Studies whose cases are passages."""

@@ -9,24 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tautwire import __version__
 from tautwire.reproductions.record import DOUBTFUL
-from tautwire.reproductions.song2021 import (
-    cutoffs,
-    mesh,
-    published,
-    sources,
-    statics,
-    step_claims,
-    steps,
-    stiffness,
-    validation,
-    vibration,
-)
+from tautwire.reproductions.song2021 import published, sources
 from tautwire.reproductions.song2021.claims import RULE, Claim, counts
 from tautwire.reproductions.song2021.folder import PASSAGES, Folder
-from tautwire.reproductions.song2021.forces import Passages
-from tautwire.reproductions.song2021.irregular import ideal, irregular_study
 from tautwire.reproductions.song2021.passages import (
     FULL,
     STIFFNESSES,
@@ -34,8 +20,21 @@ from tautwire.reproductions.song2021.passages import (
     passage_study,
     passages,
 )
+from tautwire.reproductions.song2021.sections import (
+    cutoffs,
+    mesh,
+    statics,
+    step_claims,
+    steps,
+    stiffness,
+    validation,
+    vibration,
+)
+from tautwire.reproductions.song2021.sections.forces import Passages
+from tautwire.reproductions.song2021.sections.irregular import ideal, irregular_study
 from tautwire.specs.case import Source
 from tautwire.studies.run import Watch
+from tautwire.version import __version__
 
 STUDY = "song2021"
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.wavelengths import line_lengths, presag_spectrum
+from tautwire.analyses.vibration.wavelengths import line_lengths, presag_spectrum
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
-from tautwire.reproductions.song2021.forces import Comb, Passages, comb
 from tautwire.reproductions.song2021.passages import FITTING, Scope, standard
+from tautwire.reproductions.song2021.sections.forces import Comb, Passages, comb
 from tautwire.signals.spectra import over_wavenumber
 
 Array = NDArray[np.float64]

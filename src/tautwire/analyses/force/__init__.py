@@ -1,0 +1,1 @@
+"""What a contact force history says."""

@@ -1,0 +1,104 @@
+"""Contact loss of a run: how often, how long, where."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.analyses.force.section import analysed_section, time_in_section
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.run import PantographRecord, Run
+from tautwire.results.statistics import ContactLoss, LossEvent, Section
+from tautwire.signals.losses import clip_intervals, counted_intervals, loss_intervals
+
+Array = NDArray[np.float64]
+
+
+def contact_loss(
+    run: Run, section: tuple[int, int] | None = None, *, counted: bool = False
+) -> tuple[ContactLoss, ...]:
+    """Find the contact losses of every pantograph inside the analysed section.
+
+    A run whose step control located the changes of contact is read by these instants. In another
+    run, separation and re-contact are located between the samples of the unfiltered gap by a
+    straight line (see :func:`tautwire.signals.losses.loss_intervals`). A loss that crosses a limit
+    of the section counts with its part inside.
+
+    Parameters
+    ----------
+    run : Run
+    section : (first, last) span, optional
+        1-based, both included; by default that of the case.
+    counted : bool
+        Count lost samples instead, each as one time step: what a program does that knows no
+        instants between its samples.
+
+    Returns
+    -------
+    tuple of ContactLoss
+        One per pantograph, in their order.
+    """
+    part = analysed_section(run, section)
+    return tuple(pantograph_loss(run, record, part, counted=counted) for record in run.pantographs)
+
+
+def pantograph_loss(
+    run: Run, record: PantographRecord, section: Section, *, counted: bool = False
+) -> ContactLoss:
+    """Find the contact losses of one pantograph inside a section.
+
+    Parameters
+    ----------
+    run : Run
+    record : PantographRecord
+    section : Section
+    counted : bool
+        Count lost samples, each as one time step.
+
+    Returns
+    -------
+    ContactLoss
+    """
+    window = time_in_section(run, record, section)
+    if window is None:
+        return ContactLoss(record.name, 0.0, ())
+    time, position = run.time[record.active], record.position[record.active]
+    intervals = _intervals(run, record, counted=counted)
+    start, end, is_cut = clip_intervals(*intervals, *window)
+    is_cut |= (start <= time[0]) | (end >= time[-1])
+    places = np.interp(start, time, position)
+    events = tuple(
+        LossEvent(float(t), float(u - t), float(x), nearest_place(run.equilibrium, x), bool(cut))
+        for t, u, x, cut in zip(start, end, places, is_cut, strict=True)
+    )
+    return ContactLoss(record.name, window[1] - window[0], events)
+
+
+def _intervals(run: Run, record: PantographRecord, *, counted: bool) -> tuple[Array, Array]:
+    """Return begin and end of every loss of one pantograph [s]."""
+    time, gap = run.time[record.active], record.gap[record.active]
+    if counted:
+        return counted_intervals(time, gap)
+    if run.events is None:
+        return loss_intervals(time, gap)
+    number = next(i for i, other in enumerate(run.pantographs) if other is record)
+    own = run.events.pantograph == number
+    instants, opens = run.events.time[own], run.events.opens[own]
+    start, end = instants[opens], instants[~opens]
+    if len(opens) and not opens[0]:
+        start = np.concatenate([time[:1], start])
+    if len(opens) and opens[-1]:
+        end = np.concatenate([end, time[-1:]])
+    return start, end
+
+
+def nearest_place(shape: Equilibrium, position: float) -> str:
+    """Name the support or dropper nearest to a position [m], for example ``"support 8"``."""
+    support = int(np.argmin(np.abs(shape.support_x - position)))
+    name = f"support {support + 1}"
+    if shape.dropper_x.size == 0:
+        return name
+    dropper = int(np.argmin(np.abs(shape.dropper_x - position)))
+    if abs(shape.support_x[support] - position) <= abs(shape.dropper_x[dropper] - position):
+        return name
+    return f"dropper {shape.dropper_number[dropper]} of span {shape.dropper_span[dropper]}"

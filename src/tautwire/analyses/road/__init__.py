@@ -1,0 +1,1 @@
+"""From the case to the passage: shape, elasticity, dynamics, mean force."""

@@ -1,0 +1,408 @@
+"""The passage of the pantographs: time integration of the whole, nonlinear line."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.analyses.threads import single_threaded
+from tautwire.errors import ConvergenceError
+from tautwire.model.build import Model
+from tautwire.model.equations import equations
+from tautwire.model.mesh import CONTACT, MESSENGER
+from tautwire.model.passage import Passage, plan_passage
+from tautwire.numerics.events.crossings import Crossing
+from tautwire.numerics.events.refinement import AdaptiveStep
+from tautwire.numerics.events.step_control import ConstantStep, StepControl, Task, VariableStep
+from tautwire.numerics.motion.backend import Choice, backend_name, make_stepper
+from tautwire.numerics.motion.dispersion import wave_stiffening
+from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
+from tautwire.numerics.newmark import HHT, Integrator, Newmark
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.irregularity import DrawnIrregularities
+from tautwire.results.provenance import provenance
+from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
+from tautwire.status import Status
+
+Array = NDArray[Any]
+
+FRAME_INTERVAL = 0.02
+SHAPE_INTERVAL = 0.005
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a passage is.
+
+    Attributes
+    ----------
+    time, duration : float s
+        Simulated time reached and planned.
+    elapsed : float s
+        Wall time spent.
+    """
+
+    time: float
+    duration: float
+    elapsed: float
+
+    @property
+    def share(self) -> float:
+        """Share of the passage that is done, 0 to 1."""
+        return min(1.0, self.time / self.duration)
+
+    @property
+    def remaining(self) -> float:
+        """Estimated wall time to go [s]."""
+        return self.elapsed * (1.0 - self.share) / max(self.share, 1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A number of steps just taken.
+
+    Attributes
+    ----------
+    steps : StepBlock
+        Their histories.
+    coordinates : (n_dof,)
+        Nodal coordinates at the end of the block.
+    progress : Progress
+    crossings : tuple of Crossing or None
+        Where contacts opened and closed; None when the step control does not locate that.
+    """
+
+    steps: StepBlock
+    coordinates: Array
+    progress: Progress
+    crossings: tuple[Crossing, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Choices:
+    """How a passage is computed; what is not given comes from the case.
+
+    Attributes
+    ----------
+    integrator : Newmark or HHT, optional
+    stepping : ConstantStep, VariableStep or AdaptiveStep, optional
+    uplift_forces : tuple of float N, optional
+        One per pantograph.
+    backend : str, optional
+        ``"auto"``, ``"native"`` or ``"reference"``.
+    """
+
+    integrator: Integrator | None = None
+    stepping: StepControl | None = None
+    uplift_forces: tuple[float, ...] | None = None
+    backend: Choice | None = None
+
+
+class Simulation:
+    """A passage under way: an iterator of blocks that also knows what it has counted.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    choices
+        What differs from the case's settings.
+    """
+
+    def __init__(self, model: Model, shape: Equilibrium, choices: Choices | None = None) -> None:
+        choices = choices or Choices()
+        settings = model.case.settings
+        self.model, self.shape = model, shape
+        self.integrator = choices.integrator or _integrator(model)
+        self.stepping = choices.stepping or _stepping(model)
+        self.backend = backend_name(choices.backend or settings.backend)
+        forces = choices.uplift_forces or model.case.uplift_forces()
+        self.passage: Passage = plan_passage(model, shape, forces)
+        system = equations(model, shape)
+        options = StepOptions(
+            self.integrator,
+            self.stepping.time_step,
+            settings.contact_stiffness,
+            tolerance=settings.tolerance,
+            stiffening=(
+                wave_stiffening(system, self.integrator) if self.stepping.corrects_waves else None
+            ),
+        )
+        observed = 6 * (2 * model.mesh.support_station + CONTACT) + 2
+        self.stepper: Stepper = make_stepper(
+            system, self.passage.pantographs, options, observed, choices.backend or settings.backend
+        )
+        self.step_count = int(np.ceil(self.passage.duration / self.stepping.time_step - 1e-9))
+
+    def blocks(self) -> Iterator[Block]:
+        """Advance to the end of the passage, block by block; the last block tells the status."""
+        interval = SHAPE_INTERVAL if self.model.case.settings.store_shapes else FRAME_INTERVAL
+        size = max(1, round(interval / self.stepping.time_step))
+        begin, reached = clock.perf_counter(), 0.0
+        stiffness = self.model.case.settings.contact_stiffness
+        task = Task(self.stepper, self.step_count, size, stiffness, self._focus())
+        for chunk in self.stepping.integrate(task):
+            reached = float(chunk.steps.time[-1]) if len(chunk.steps.time) else reached
+            progress = Progress(reached, self.passage.duration, clock.perf_counter() - begin)
+            yield Block(chunk.steps, chunk.coordinates, progress, chunk.crossings)
+
+    def _focus(self) -> tuple[float, float]:
+        """Return when the first pantograph enters the analysed section and the last leaves it."""
+        first, last = self.model.case.resolved_section()
+        limits = np.array(self.model.case.line.support_positions())[[first - 1, last]]
+        times = [
+            given.start_time + (limits - given.start_x) / given.velocity
+            for given in self.passage.pantographs
+        ]
+        return float(np.min(times)), float(np.max(times))
+
+
+def iterate(model: Model, shape: Equilibrium, *, choices: Choices | None = None) -> Iterator[Block]:
+    """Run a passage and yield its steps in blocks, for live views and early stops.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    choices
+        What differs from the case's settings.
+
+    Yields
+    ------
+    Block
+        About 20 ms of simulated time each.
+    """
+    return Simulation(model, shape, choices).blocks()
+
+
+@single_threaded
+def simulate(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    integrator: Integrator | None = None,
+    stepping: StepControl | None = None,
+    uplift_forces: Sequence[float] | None = None,
+    backend: Choice | None = None,
+    watch: Callable[[Progress], bool] | None = None,
+) -> Run:
+    """Simulate the passage of the case's pantographs.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    integrator
+        Newmark or HHT; ``settings.integrator`` by default.
+    stepping
+        Step control; ``settings.step_control`` with ``settings.time_step`` by default.
+    uplift_forces
+        Force on each pantograph [N]; prescribed or first-guess forces of the scenario by default.
+    backend
+        ``"auto"``, ``"native"`` or ``"reference"``; ``settings.backend`` by default.
+    watch
+        Called after every block; returning True stops the run and keeps what was computed.
+
+    Returns
+    -------
+    Run
+        With status ``"partial"`` when ``watch`` or Ctrl-C stopped it.
+
+    Raises
+    ------
+    ConvergenceError
+        When a step fails; ``error.partial`` is the run up to there.
+    """
+    forces = None if uplift_forces is None else tuple(uplift_forces)
+    simulation = Simulation(model, shape, Choices(integrator, stepping, forces, backend))
+    blocks: list[Block] = []
+    status = Status.DONE
+    cpu, wall = clock.process_time(), clock.perf_counter()
+    try:
+        for block in simulation.blocks():
+            blocks.append(block)
+            if watch is not None and watch(block.progress):
+                status = Status.INTERRUPTED
+                break
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    if blocks and blocks[-1].steps.status is not Status.RUNNING:
+        status = blocks[-1].steps.status
+    spent = (clock.process_time() - cpu, clock.perf_counter() - wall)
+    run = _collect(simulation, blocks, status, spent)
+    if status not in (Status.DONE, Status.INTERRUPTED):
+        raise ConvergenceError(run.message, partial=run)
+    return run
+
+
+def _integrator(model: Model) -> Integrator:
+    spec = model.case.settings.integrator
+    return HHT(spec.alpha) if spec.method == "hht" else Newmark()
+
+
+def _stepping(model: Model) -> StepControl:
+    settings = model.case.settings
+    spec, step = settings.step_control, settings.time_step
+    if spec.method == "variable":
+        return VariableStep(
+            step,
+            tolerance=spec.gap_tolerance or VariableStep.tolerance,
+            force_tolerance=spec.force_tolerance,
+            most_losses=spec.most_losses,
+            corrects_waves=bool(spec.corrects_waves),
+        )
+    if spec.method == "adaptive":
+        return AdaptiveStep(
+            step,
+            tolerance=spec.duration_tolerance or AdaptiveStep.tolerance,
+            most_losses=spec.most_losses,
+            corrects_waves=spec.corrects_waves is not False,
+        )
+    return ConstantStep(step, corrects_waves=bool(spec.corrects_waves))
+
+
+def _collect(
+    simulation: Simulation, blocks: list[Block], status: Status, spent: tuple[float, float]
+) -> Run:
+    """Join the blocks of a passage into a run."""
+    model, shape = simulation.model, simulation.shape
+    steps = [b.steps for b in blocks]
+    time = _join([s.time for s in steps], ())
+    supports = len(shape.support_x)
+    height = _join([s.observed for s in steps], (supports,))
+    words = {Status.DONE: "done", Status.INTERRUPTED: "partial"}
+    return Run(
+        case=model.case,
+        equilibrium=shape,
+        status=words.get(status, "failed"),
+        message=_message(status, time),
+        time=time,
+        pantographs=_records(simulation, steps, time),
+        support_uplift=(height - shape.support_heights).astype(np.float32),
+        dropper_force=_join([s.dropper_force for s in steps], (len(shape.dropper_x),)).astype(
+            np.float32
+        ),
+        snapshots=_snapshots(simulation, blocks),
+        counters=_counters(simulation, time, spent),
+        warnings=tuple(simulation.passage.warnings),
+        provenance=provenance(model.case, simulation.backend),
+        events=_events(blocks),
+        irregularities=_irregularities(model),
+    )
+
+
+def _events(blocks: list[Block]) -> ContactEvents | None:
+    located = [b.crossings for b in blocks if b.crossings is not None]
+    if not located:
+        return None
+    crossings = sorted((c for part in located for c in part), key=lambda c: c.time)
+    return ContactEvents(
+        time=np.array([c.time for c in crossings], dtype=float),
+        pantograph=np.array([c.pantograph for c in crossings], dtype=np.int64),
+        opens=np.array([c.opens for c in crossings], dtype=bool),
+    )
+
+
+def _irregularities(model: Model) -> DrawnIrregularities | None:
+    drawn = model.irregularities
+    return drawn if drawn.is_installed_wrong or drawn.is_uneven else None
+
+
+def _message(status: Status, time: Array) -> str:
+    if status is Status.DONE:
+        return ""
+    reached = f"t = {time[-1]:.3f} s" if len(time) else "the start"
+    return f"The passage stopped at {reached}. {status.sentence} {status.cure}"
+
+
+def _join(parts: list[Array], shape: tuple[int, ...]) -> Array:
+    return np.concatenate(parts) if parts else np.empty((0, *shape))
+
+
+def _records(
+    simulation: Simulation, steps: list[StepBlock], time: Array
+) -> tuple[PantographRecord, ...]:
+    case = simulation.model.case
+    count = len(case.pantographs)
+    joined = {
+        name: _join([getattr(s, name) for s in steps], (count,))
+        for name in ("contact_force", "gap", "wire_height")
+    }
+    stages = _join([s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),))
+    ends = np.cumsum([len(p.stages) for p in case.pantographs])
+    target = case.scenario.target_mean_force()
+    records = []
+    for i, (spec, given) in enumerate(
+        zip(case.pantographs, simulation.passage.pantographs, strict=True)
+    ):
+        records.append(
+            PantographRecord(
+                name=spec.name,
+                uplift_force=given.uplift_force,
+                target_mean=target,
+                position=given.start_x + given.velocity * (time - given.start_time),
+                contact_force=joined["contact_force"][:, i],
+                gap=joined["gap"][:, i],
+                wire_height=joined["wire_height"][:, i],
+                stage_heights=stages[:, ends[i] - len(spec.stages) : ends[i]],
+                active=time >= given.start_time - 1e-12,
+            )
+        )
+    return tuple(records)
+
+
+def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
+    """Thin the shapes at the block ends: supports, droppers, middles; or every station."""
+    model = simulation.model
+    mesh = model.mesh
+    if model.case.settings.store_shapes:
+        stations = np.arange(mesh.station_count)
+    else:
+        fixed = np.concatenate([mesh.support_station, mesh.dropper_station])
+        fixed.sort()
+        stations = np.sort(np.concatenate([fixed, (fixed[:-1] + fixed[1:]) // 2]))
+        stations = np.unique(stations)
+    start = simulation.shape.position
+    states = [start] + [b.coordinates for b in blocks]
+    dofs = [6 * (2 * stations + wire) + 2 for wire in (CONTACT, MESSENGER)]
+    contact, messenger = (np.array([q[d] for q in states], dtype=np.float32) for d in dofs)
+    return Snapshots(
+        time=np.array([0.0] + [b.progress.time for b in blocks]),
+        x=mesh.x[stations],
+        contact_z=contact,
+        messenger_z=messenger,
+    )
+
+
+def _counters(simulation: Simulation, time: Array, spent: tuple[float, float]) -> dict[str, Any]:
+    """Return the work done, with the keys of the ``cost`` part of the JSON output."""
+    counters = simulation.stepper.counters
+    simulated = float(time[-1]) if len(time) else 0.0
+    return {
+        "dof": int(simulation.shape.position.size),
+        "steps": counters.steps,
+        "iterations_mean": counters.iterations / max(counters.steps, 1),
+        "refactorisations": counters.refactorisations,
+        "full_newton_steps": counters.full_newton_steps,
+        "simulated_s": simulated,
+        "cpu_s": spent[0],
+        "wall_s": spent[1],
+        "real_time_factor": spent[0] / simulated if simulated else float("nan"),
+        "tuning_passes": 0,
+        "backend": simulation.backend,
+        "integrator": simulation.integrator.describe(),
+        "time_step": simulation.stepping.time_step,
+        "step_control": simulation.stepping.describe(),
+        **counters.notes,
+    }

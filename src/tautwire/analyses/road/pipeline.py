@@ -1,0 +1,70 @@
+"""The whole road in one call: case, model, shape, tuned passage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from tautwire.analyses.road.dynamics import Progress, simulate
+from tautwire.analyses.road.mean_force import tune_mean_force
+from tautwire.analyses.road.shape import find_shape
+from tautwire.inputs.load import load_case, make_case
+from tautwire.model.build import build
+from tautwire.numerics.motion.backend import Choice
+from tautwire.results.run import Run
+from tautwire.specs.case import Case
+
+
+def run(
+    case: Case | str | Path,
+    *,
+    overrides: Mapping[str, Any] | None = None,
+    backend: Choice | None = None,
+    watch: Callable[[int, Progress], bool] | None = None,
+    **scenario: Any,
+) -> Run:
+    """Find the shape and simulate the passage, mean force tuned where the scenario asks for it.
+
+    Parameters
+    ----------
+    case
+        A case, the name of a library case, or a case file.
+    overrides
+        Values to replace, by path: ``{"settings.contact_stiffness": "50 kN/m"}``.
+    backend
+        ``"auto"``, ``"native"`` or ``"reference"``; ``settings.backend`` by default.
+    watch
+        Called with the number of the passage (from 1) and its progress; True stops the run.
+    **scenario
+        Fields of the scenario to replace: ``speed="275 km/h"``.
+
+    Returns
+    -------
+    Run
+
+    Examples
+    --------
+    >>> run("ac-simple", speed="275 km/h")  # doctest: +SKIP
+    """
+    changes = dict(overrides or {}) | {f"scenario.{k}": v for k, v in scenario.items()}
+    if isinstance(case, Case):
+        chosen = make_case(case.to_dict(), changes) if changes else case
+    else:
+        chosen = load_case(case, changes)
+    return run_case(chosen, backend=backend, watch=watch)
+
+
+def run_case(
+    case: Case,
+    *,
+    backend: Choice | None = None,
+    watch: Callable[[int, Progress], bool] | None = None,
+) -> Run:
+    """Do the same for a case that is complete."""
+    model = build(case)
+    shape = find_shape(model)
+    if case.scenario.target_mean_force() is not None:
+        return tune_mean_force(model, shape, backend=backend, watch=watch)
+    once = None if watch is None else lambda progress: watch(1, progress)
+    return simulate(model, shape, backend=backend, watch=once)

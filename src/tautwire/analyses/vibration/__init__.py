@@ -1,0 +1,1 @@
+"""Modes, wavelengths and transmissibility of the line."""

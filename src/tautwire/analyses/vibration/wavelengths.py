@@ -1,0 +1,370 @@
+"""The line's own lengths, and where they show in spectra over wave number or frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spectrum
+from tautwire.errors import InputError
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.signals.spectra import Spectrum, Window
+from tautwire.specs.case import Case
+
+Array = NDArray[np.float64]
+
+FRACTIONS = (1, 2, 4)
+"""Parts of the dropper and support intervals in which the paper finds the energy."""
+
+_NAMED_WITHIN = 0.02
+_BACKGROUND = 0.15
+
+
+@dataclass(frozen=True)
+class LineLengths:
+    """Distances along the track that repeat in the analysed section.
+
+    Attributes
+    ----------
+    span : float m
+        Commonest span length.
+    dropper_interval : float m or None
+        Commonest distance between neighbouring droppers (DD); None without two droppers in a span.
+    support_interval : float m or None
+        Commonest distance from a support to its nearest dropper (SD); None without droppers.
+    shortest : float m
+        Shortest of all DD and SD; the span where there are no droppers.
+    elements : tuple of float m
+        Element lengths of the mesh in these intervals, longest first.
+    """
+
+    span: float
+    dropper_interval: float | None
+    support_interval: float | None
+    shortest: float
+    elements: tuple[float, ...]
+
+    def named(self, *, elements: bool = True) -> dict[str, float]:
+        """Return lengths by name: span, DD, SD, their halves and quarters, elements [m].
+
+        Parameters
+        ----------
+        elements
+            Whether the element lengths of the mesh are among them.
+        """
+        found = {"span": self.span}
+        for fraction in FRACTIONS:
+            suffix = "" if fraction == 1 else f"/{fraction}"
+            for name, value in (("DD", self.dropper_interval), ("SD", self.support_interval)):
+                if value is not None:
+                    found[name + suffix] = value / fraction
+        if elements:
+            for length in self.elements:
+                found[f"element {length:.4g} m"] = length
+        return found
+
+
+def line_lengths(case: Case) -> LineLengths:
+    """Read the lengths that repeat in the analysed section of a case.
+
+    Parameters
+    ----------
+    case
+
+    Returns
+    -------
+    LineLengths
+
+    Examples
+    --------
+    >>> from tautwire.inputs.load import load_case
+    >>> line_lengths(load_case("ac-simple")).named(elements=False)["SD/4"]
+    1.125
+    """
+    first, last = case.resolved_section()
+    spans = case.line.span_lengths()
+    positions = case.droppers.positions_by_span(len(spans))
+    between: list[float] = []
+    beside: list[float] = []
+    for length, droppers in zip(spans[first - 1 : last], positions[first - 1 : last], strict=True):
+        between += [right - left for left, right in pairwise(droppers)]
+        beside += [droppers[0], length - droppers[-1]] if droppers else []
+    span = _commonest(list(spans[first - 1 : last]))
+    dropper, support = _commonest_or_none(between), _commonest_or_none(beside)
+    divisions = case.settings.nodes_between_droppers - 1
+    intervals = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
+    return LineLengths(
+        span=span,
+        dropper_interval=dropper,
+        support_interval=support,
+        shortest=min([*between, *beside], default=span),
+        elements=tuple(value / divisions for value in intervals),
+    )
+
+
+def _commonest_or_none(values: list[float]) -> float | None:
+    return _commonest(values) if values else None
+
+
+def _commonest(values: list[float]) -> float:
+    """Return the value met most often (to the centimetre), the largest of equals."""
+    rounded = np.round(values, 2)
+    found, number = np.unique(rounded, return_counts=True)
+    best = found[len(number) - 1 - int(number[::-1].argmax())]
+    return float(np.asarray(values)[rounded == best][0])
+
+
+def presag_spectrum(
+    shape: Equilibrium,
+    section: tuple[int, int],
+    window: Window = "hann",
+    *,
+    density: bool = False,
+) -> Spectrum:
+    """Compute the spectrum of the static height of the contact wire.
+
+    Parameters
+    ----------
+    shape
+        Static state.
+    section : (first, last) span
+        1-based, both included.
+    window : {"hann", "none"}
+    density : bool
+        False: amplitudes [m]; True: power spectral density [m^3].
+
+    Returns
+    -------
+    Spectrum
+        Over wave number [1/m].
+
+    Raises
+    ------
+    InputError
+        When the section does not lie in the line.
+    """
+    first, last = section
+    if not 1 <= first <= last < len(shape.support_x):
+        raise InputError(
+            f"section [{first}, {last}]: the line has {len(shape.support_x) - 1} spans"
+        )
+    points = even_points(
+        shape, start=float(shape.support_x[first - 1]), end=float(shape.support_x[last])
+    )
+    heights = points.values(shape.position)
+    return wavenumber_spectrum(heights, points.spacing, window, density=density)
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of a spectrum.
+
+    Attributes
+    ----------
+    abscissa : float
+        Frequency [Hz] or wave number [1/m].
+    value : float
+    name : str
+        Length of the line that it belongs to; empty for none.
+    """
+
+    abscissa: float
+    value: float
+    name: str
+
+
+def name_peaks(
+    spectrum: Spectrum,
+    lengths: Mapping[str, float],
+    *,
+    speed: float | None = None,
+    count: int = 12,
+    above: float = 0.0,
+    lines: float = 1.5,
+) -> tuple[Peak, ...]:
+    """Find the highest peaks of a spectrum and name those that a length of the line explains.
+
+    Parameters
+    ----------
+    spectrum
+        Over wave number, or over frequency with `speed`.
+    lengths
+        Name and length [m], as from :meth:`LineLengths.named`.
+    speed
+        Speed at which a spectrum over frequency was recorded [m/s].
+    count
+        Number of peaks.
+    above
+        Peaks at or below this abscissa are left out.
+    lines
+        A peak is named within so many lines of the spectrum, or within 2 %; 0.5 suits a comb.
+
+    Returns
+    -------
+    tuple of Peak
+        By increasing abscissa.
+    """
+    places = _places(spectrum, lengths, speed)
+    value = spectrum.value
+    is_peak = (value[1:-1] > value[:-2]) & (value[1:-1] >= value[2:])
+    at = 1 + np.flatnonzero(is_peak)
+    at = at[spectrum.abscissa[at] > above]
+    at = at[np.argsort(value[at])[::-1][:count]]
+    peaks = []
+    for index in sorted(at.tolist()):
+        x = float(spectrum.abscissa[index])
+        near = {
+            name: abs(place - x)
+            for name, place in places.items()
+            if abs(place - x) <= max(lines * spectrum.resolution, _NAMED_WITHIN * place)
+        }
+        name = min(near, key=lambda item: near[item]) if near else ""
+        peaks.append(Peak(x, float(value[index]), name))
+    return tuple(peaks)
+
+
+@dataclass(frozen=True)
+class Strength:
+    """How far a spectrum stands out at a place.
+
+    Attributes
+    ----------
+    name : str
+    abscissa : float
+        Where it was looked for: frequency [Hz] or wave number [1/m].
+    value : float
+        Largest amplitude there.
+    background : float
+        Median amplitude around it.
+    """
+
+    name: str
+    abscissa: float
+    value: float
+    background: float
+
+    @property
+    def ratio(self) -> float:
+        """Amplitude over background; about 1 to 3 where there is no line."""
+        return self.value / self.background if self.background > 0.0 else float("inf")
+
+
+def strength_at(
+    spectrum: Spectrum, abscissa: float, name: str = "", *, lines: float = 2.5
+) -> Strength:
+    """Compare a spectrum at a place with the background around it.
+
+    Parameters
+    ----------
+    spectrum
+        Over frequency or wave number.
+    abscissa
+        Where to look. The background is taken from 15 % below to 15 % above, without the lines
+        searched.
+    name
+        What is looked for.
+    lines
+        How many lines of the spectrum to either side are searched; 0.5 suits a comb.
+
+    Returns
+    -------
+    Strength
+
+    Raises
+    ------
+    InputError
+        When the place lies outside the spectrum.
+    """
+    x, step = spectrum.abscissa, spectrum.resolution
+    if not step <= abscissa <= x[-1]:
+        raise InputError(
+            f"{name or 'the line'} at {abscissa:g} {spectrum.abscissa_unit} lies outside the "
+            f"spectrum, which ends at {x[-1]:g} {spectrum.abscissa_unit}"
+        )
+    near = np.abs(x - abscissa) <= lines * step * (1.0 + 1e-9)
+    around = (np.abs(x - abscissa) <= _BACKGROUND * abscissa) & ~near
+    background = float(np.median(spectrum.value[around])) if around.any() else float("nan")
+    return Strength(name, abscissa, float(spectrum.value[near].max()), background)
+
+
+def strengths(
+    spectrum: Spectrum,
+    lengths: Mapping[str, float],
+    speed: float | None = None,
+    *,
+    lines: float = 2.5,
+) -> tuple[Strength, ...]:
+    """Compare a spectrum with its background at every length of the line that it reaches.
+
+    Parameters
+    ----------
+    spectrum
+        Over wave number, or over frequency with `speed`.
+    lengths
+        Name and length [m].
+    speed
+        Speed at which a spectrum over frequency was recorded [m/s].
+    lines
+        How many lines of the spectrum to either side are searched; 0.5 suits a comb.
+
+    Returns
+    -------
+    tuple of Strength
+        In the order of the lengths.
+    """
+    highest = float(spectrum.abscissa[-1])
+    return tuple(
+        strength_at(spectrum, place, name, lines=lines)
+        for name, place in _places(spectrum, lengths, speed).items()
+        if spectrum.resolution <= place <= highest
+    )
+
+
+def span_comb(spectrum: Spectrum, span: float, speed: float | None = None) -> Spectrum:
+    """Reduce a spectrum to the multiples of the span, of which that of a periodic line consists.
+
+    Parameters
+    ----------
+    spectrum
+        Over wave number, or over frequency with `speed`.
+    span
+        Length of the period [m].
+    speed
+        Speed at which a spectrum over frequency was recorded [m/s].
+
+    Returns
+    -------
+    Spectrum
+        Line n is the largest value nearest to ``n/span`` (``n speed/span``).
+
+    Raises
+    ------
+    InputError
+        When the spectrum does not resolve the span.
+    """
+    step = _places(spectrum, {"span": span}, speed)["span"]
+    if step < 2.0 * spectrum.resolution:
+        raise InputError(
+            f"a spectrum with a line every {spectrum.resolution:.3g} {spectrum.abscissa_unit} does "
+            f"not resolve a span of {span:g} m; analyse more spans"
+        )
+    order = np.round(spectrum.abscissa / step).astype(np.int64)
+    value = np.zeros(int(spectrum.abscissa[-1] / step) + 1)
+    inside = order < len(value)
+    np.maximum.at(value, order[inside], spectrum.value[inside])
+    places = np.linspace(0.0, step * (len(value) - 1), len(value))
+    return Spectrum(places, value, spectrum.abscissa_unit, spectrum.window, 1)
+
+
+def _places(
+    spectrum: Spectrum, lengths: Mapping[str, float], speed: float | None
+) -> dict[str, float]:
+    """Return where the lengths lie on the axis of a spectrum."""
+    if spectrum.abscissa_unit == "Hz" and speed is None:
+        raise InputError("a spectrum over frequency needs the speed to name lengths")
+    factor = 1.0 if spectrum.abscissa_unit == "1/m" else float(speed or 0.0)
+    return {name: factor / length for name, length in lengths.items()}

@@ -1,0 +1,1 @@
+"""What the product knows by name: cases, pantographs, limits, references; each with its source."""

@@ -1,0 +1,96 @@
+"""``check``: every input error at once, wave quantities and advice; nothing is computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
+from tautwire.cli.about import program
+from tautwire.cli.session import REFUSED, Answer
+from tautwire.cli.views.tables import facts, heading, table
+from tautwire.inputs.load import load_case
+from tautwire.model.preflight import Advice, preflight
+from tautwire.report.parts.words import speed
+from tautwire.specs.case import Case
+from tautwire.version import __version__
+
+
+def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None:
+    """Check a case and show what it amounts to."""
+    case = load_case(reference, overrides)
+    answer.say(program(case.settings.backend))
+    quantities, advice = wave_quantities(case), preflight(case)
+    answer.document.update(
+        {
+            "case": case.name,
+            "version": __version__,
+            "case_hash": case.hash(),
+            "valid": True,
+            "warnings": [str(item) for item in advice],
+            "advice": [item.as_dict() for item in advice],
+            "wave_quantities": [quantity.as_dict() for quantity in quantities],
+            "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
+            "size": _size(case),
+        }
+    )
+    refused = [str(item) for item in advice if item.severity == "refused"]
+    if refused:
+        answer.document["valid"] = False
+        answer.fail("model", refused, REFUSED)
+        return
+    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
+    answer.show(heading("Wave quantities"), _wave_table(quantities))
+    answer.show(heading("Advice"), *_advice_view(advice))
+
+
+def _size(case: Case) -> dict[str, int]:
+    """Return how large the computation will be."""
+    spans = case.line.span_lengths()
+    droppers = [len(row) for row in case.droppers.positions_by_span(len(spans))]
+    intervals = sum(droppers) + len(spans)
+    stations = intervals * (case.settings.nodes_between_droppers - 1) + 1
+    way = case.line.length() - 2.0 * case.settings.start
+    steps = math.ceil(way / case.scenario.speed / case.settings.time_step)
+    return {"droppers": sum(droppers), "dof": 12 * stations, "steps": max(steps, 0)}
+
+
+def _summary(case: Case) -> Any:
+    size, (first, last) = _size(case), case.resolved_section()
+    target, scenario = case.scenario.target_mean_force(), case.scenario
+    forces = ", ".join(f"{force:.1f} N" for force in case.uplift_forces())
+    return facts(
+        [
+            ("line", f"{case.line.spans} spans, {case.line.length():g} m"),
+            ("droppers", str(size["droppers"])),
+            ("section", f"spans {first} to {last}"),
+            ("speed", f"{speed(scenario.speed)}, running {scenario.direction}"),
+            ("pantographs", ", ".join(entry.name for entry in case.pantographs)),
+            ("uplift force", forces if target is None
+             else f"tuned to a mean of {target:.2f} N, first guess {forces}"),
+            ("computation", f"{size['dof']} degrees of freedom, {size['steps']} steps per passage"),
+        ]
+    )  # fmt: skip
+
+
+def _wave_table(quantities: Sequence[WaveQuantity]) -> Any:
+    rows = [(item.name, _value(item), item.formula) for item in quantities]
+    return table(("", "", "formula"), "LrL", rows)
+
+
+def _value(item: WaveQuantity) -> str:
+    if not math.isfinite(item.value):
+        return "–"
+    if item.unit == "m/s":
+        return f"{item.value:.2f} m/s = {3.6 * item.value:.1f} km/h"
+    if item.unit == "m/N":
+        return f"{1e3 * item.value:.3f} mm/N"
+    return f"{item.value:.3f}" if item.unit == "1" else f"{item.value:.2f} {item.unit}"
+
+
+def _advice_view(advice: Sequence[Advice]) -> list[Any]:
+    if not advice:
+        return ["nothing to say: mesh, time step, line and speed suit each other"]
+    rows = [(item.severity, item.topic, f"{item.text}.\n{item.cure}.") for item in advice]
+    return [table(("", "", ""), "llL", rows)]

@@ -1,0 +1,190 @@
+"""``run``: one passage, its files and its summary."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
+from tautwire.analyses.road.pipeline import run_case
+from tautwire.assessment.checks import checks as compute_checks
+from tautwire.assessment.limits import known_system
+from tautwire.cli.about import program
+from tautwire.cli.folders import Files, default_folder, prepared_folder
+from tautwire.cli.interrupts import Interrupts
+from tautwire.cli.json_text import to_json
+from tautwire.cli.progress import PassageWatch
+from tautwire.cli.session import FAILED, Answer, OutputError
+from tautwire.cli.views.documents import run_document
+from tautwire.cli.views.run_view import run_view
+from tautwire.cli.views.tables import files_written, heading
+from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.inputs.load import load_case
+from tautwire.model.build import build
+from tautwire.model.preflight import Advice, preflight
+from tautwire.report.parts.tables import write_dropper_table, write_force_history
+from tautwire.results.equilibrium import Elasticity
+from tautwire.results.files import write_text
+from tautwire.results.run import Run
+from tautwire.results.storage import save_run
+from tautwire.specs.case import Case
+from tautwire.units import UnitError, parse_quantity
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What the user asked for.
+
+    Attributes
+    ----------
+    case : str
+        Name or file.
+    overrides : sequence of str
+    out : Path or None
+    system : str
+    free_uplift : str or None
+    with_report : bool
+    """
+
+    case: str
+    overrides: Sequence[str]
+    out: Path | None
+    system: str
+    free_uplift: str | None
+    with_report: bool
+
+
+def run_passage(answer: Answer, request: RunRequest) -> None:
+    """Simulate a passage, show it and write its files, also when it was stopped or failed."""
+    case = load_case(request.case, request.overrides)
+    limits = ReportLimits.of(request.system, request.free_uplift)
+    interrupts = Interrupts()
+    with prepared_folder(request.out or default_folder(case.name)) as folder:
+        answer.say(program(case.settings.backend))
+        advice = preflight(case)
+        refuse_hopeless(advice)
+        answer.advise(advice)
+        with interrupts.handled():
+            run = _passage(answer, case, interrupts)
+            with interrupts.patient():
+                _present(answer, run, limits, [str(item) for item in advice])
+                complete = run.status == "done" and interrupts.requested is None
+                elasticity = _elasticity(run) if complete else None
+                asked = limits if request.with_report else None
+                _write(answer, Files(folder), run, elasticity, asked)
+    if run.status == "failed":
+        answer.fail("computation", [run.message], FAILED)
+    elif interrupts.requested is not None:
+        answer.exit_code = interrupts.exit_code
+
+
+def refuse_hopeless(advice: Sequence[Advice]) -> None:
+    """Refuse a run that cannot give its result, before anything is computed.
+
+    Raises
+    ------
+    ModelError
+        With every reason.
+    """
+    reasons = [str(item) for item in advice if item.severity == "refused"]
+    if reasons:
+        raise ModelError("\n".join(reasons))
+
+
+@dataclass(frozen=True)
+class ReportLimits:
+    """What the limits of standards need to know beyond the case.
+
+    Attributes
+    ----------
+    system : str
+    free_uplift : float m or None
+    """
+
+    system: str
+    free_uplift: float | None
+
+    @classmethod
+    def of(cls, system: str, free_uplift: str | None) -> ReportLimits:
+        """Read both as the user wrote them.
+
+        Raises
+        ------
+        InputError
+            When one is not understood.
+        """
+        try:
+            known_system(system)
+            space = None if free_uplift is None else parse_quantity(free_uplift, "m")
+        except UnitError as error:
+            raise InputError(f"--free-uplift: {error}") from None
+        except InputError as error:
+            raise InputError([f"--system: {problem}" for problem in error.problems]) from None
+        return cls(system.lower(), space)
+
+
+def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
+    """Return the run; a failed one with its status and reason."""
+    tuned = case.scenario.target_mean_force() is not None
+    try:
+        with PassageWatch(answer, interrupts, is_tuned=tuned) as watch, interrupts.patient():
+            return run_case(case, watch=watch)
+    except ConvergenceError as error:
+        if not isinstance(error.partial, Run):
+            raise
+        return replace(error.partial, status="failed", message=str(error))
+
+
+def _present(answer: Answer, run: Run, limits: ReportLimits, advice: Sequence[str]) -> None:
+    """Fill the document and show the summary."""
+    statistics = contact_statistics(run)
+    found = compute_checks(
+        statistics, run.case, system=limits.system, free_uplift=limits.free_uplift
+    )
+    later = [*run.warnings, *statistics.notes]
+    answer.warn(later)
+    answer.document.update(run_document(run, statistics, found, [*advice, *later]))
+    answer.show(*run_view(run, statistics, found))
+    if run.status == "partial":
+        answer.say(run.message, style="yellow")
+
+
+def _elasticity(run: Run) -> Elasticity | None:
+    """Return the elasticity for the report; without it the report has one section less."""
+    try:
+        return compute_elasticity(build(run.case), run.equilibrium)
+    except (ConvergenceError, ModelError):
+        return None
+
+
+def _write(
+    answer: Answer,
+    files: Files,
+    run: Run,
+    elasticity: Elasticity | None,
+    limits: ReportLimits | None,
+) -> None:
+    """Write the files of a run, the most important first; the report where limits are given."""
+    text = to_json(answer.document) + "\n"
+    files.write("run.nc", lambda path: save_run(run, path, elasticity))
+    files.write("results.json", lambda path: write_text(path, text))
+    files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
+    for number, record in enumerate(run.pantographs, 1):
+        name = "force.csv" if number == 1 else f"force-{number}.csv"
+        files.write(name, lambda path, who=record.name: write_force_history(run, path, who))
+    if limits is not None:
+        from tautwire.report.pages.run_page import write_report
+
+        answer.say("writing the report")
+        files.write(
+            "report.html",
+            lambda path: write_report(
+                run, path, elasticity, system=limits.system, free_uplift=limits.free_uplift
+            ),
+        )
+    answer.document["files"] = files.written
+    answer.show(heading("Files"), files_written(files.written))
+    if files.problems:
+        raise OutputError(files.problems)

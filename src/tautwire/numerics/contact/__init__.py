@@ -1,0 +1,1 @@
+"""Where a pantograph meets a wire."""

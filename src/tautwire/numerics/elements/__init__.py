@@ -1,0 +1,1 @@
+"""Shape functions and the elements made of them."""

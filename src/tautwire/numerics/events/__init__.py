@@ -1,0 +1,1 @@
+"""Instants at which contact opens or closes, and steps that respect them."""

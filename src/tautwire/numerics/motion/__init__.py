@@ -1,0 +1,1 @@
+"""Time stepping: the readable reference, the compiled core and what they share."""

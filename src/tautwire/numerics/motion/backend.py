@@ -1,0 +1,159 @@
+"""The choice between the compiled core and the NumPy reference; nothing else loads the core."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from types import ModuleType
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion.native_stepper import NativeStepper, cable_order
+from tautwire.numerics.motion.reference_stepper import ReferenceStepper
+from tautwire.numerics.motion.stepper import PantographInput, StepOptions, Stepper
+from tautwire.numerics.network.system import System
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+Choice = Literal["auto", "native", "reference"]
+
+_INSTRUCTION_SETS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2", "generic": "2 lanes"}
+
+
+class NativeCoreMissingError(RuntimeError):
+    """The compiled core was asked for by name, but this installation has none that runs here."""
+
+
+@cache
+def _load() -> tuple[ModuleType | None, str]:
+    """Return the compiled core, or None and the reason why it cannot be loaded."""
+    try:
+        from tautwire._native import _core
+    except (ImportError, RuntimeError) as error:
+        return None, str(error)
+    return _core, ""
+
+
+def native_available() -> bool:
+    """Say whether the compiled core is installed and runs on this processor."""
+    return _load()[0] is not None
+
+
+def _native(choice: Choice) -> ModuleType | None:
+    """Return the core that ``choice`` calls for; None stands for the NumPy reference."""
+    if choice == "reference":
+        return None
+    core, reason = _load()
+    if core is None and choice == "native":
+        raise NativeCoreMissingError(
+            f"the compiled core is not available ({reason}); install tautwire with a C++20 "
+            "compiler at hand or from a binary wheel, or choose the backend 'auto' or 'reference'"
+        )
+    return core
+
+
+def backend_name(choice: Choice = "auto") -> str:
+    """Describe the kernels that a choice leads to, for example ``native (AVX-512)``.
+
+    Parameters
+    ----------
+    choice
+        'native', 'reference', or 'auto' for the fastest available.
+
+    Raises
+    ------
+    NativeCoreMissingError
+        'native' was asked for and is not there.
+    """
+    core = _native(choice)
+    if core is None:
+        return "reference (NumPy)"
+    return f"native ({_INSTRUCTION_SETS[core.instruction_set]})"
+
+
+def make_stepper(
+    system: System,
+    pantographs: Sequence[PantographInput],
+    options: StepOptions,
+    observed: Index,
+    backend: Choice = "auto",
+) -> Stepper:
+    """Set up a time integration with the chosen kernels.
+
+    A line whose nodes are not two wires side by side, coupled station by station, is integrated by
+    the general banded solver of the reference; ``counters.notes`` says so.
+
+    Parameters
+    ----------
+    system
+        The line in its static state.
+    pantographs
+        Their chains and ways along the line.
+    options
+        Integrator, step, tolerance.
+    observed
+        Degrees of freedom whose coordinates are recorded at every step.
+    backend
+        'native', 'reference', or 'auto' for the fastest available.
+
+    Raises
+    ------
+    NativeCoreMissingError
+        'native' was asked for and is not there.
+    """
+    core = _native(backend)
+    if core is not None and cable_order(system) is not None:
+        return NativeStepper(core, system, pantographs, options, observed)
+    stepper = ReferenceStepper(system, pantographs, options, observed)
+    if core is not None:
+        stepper.counters.notes["general_solver"] = (
+            "the line is not two wires side by side coupled station by station"
+        )
+    return stepper
+
+
+def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
+    """Return the elastic nodal forces of wire elements; see :func:`ancf.force`.
+
+    Parameters
+    ----------
+    e : (4, 3, n)
+        r1 [m], r1', r2 [m], r2' of each element.
+    section
+        Lengths and stiffnesses.
+    backend
+        Which kernels to use.
+    """
+    core = _native(backend)
+    if core is None or np.iscomplexobj(e):
+        return ancf.force(e, section)
+    out = np.empty((4, 3, e.shape[-1]))
+    core.cable_force(np.ascontiguousarray(e), *_contiguous(section), out)
+    return out
+
+
+def cable_tangent(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
+    """Return the tangent stiffness of wire elements; see :func:`ancf.tangent`.
+
+    Parameters
+    ----------
+    e : (4, 3, n)
+        r1 [m], r1', r2 [m], r2' of each element.
+    section
+        Lengths and stiffnesses.
+    backend
+        Which kernels to use.
+    """
+    core = _native(backend)
+    if core is None or np.iscomplexobj(e):
+        return ancf.tangent(e, section)
+    out = np.empty((4, 3, 4, 3, e.shape[-1]))
+    core.cable_tangent(np.ascontiguousarray(e), *_contiguous(section), out)
+    return out
+
+
+def _contiguous(section: ancf.CableSection) -> list[Array]:
+    return [np.ascontiguousarray(part, dtype=float) for part in section]

@@ -1,0 +1,216 @@
+"""One step of the NumPy time integration: where it starts, what it predicts, how it is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.contact.path import ContactPoint
+from tautwire.numerics.motion.corotation import NodeRotation, unit_tangents
+from tautwire.numerics.motion.effective_matrix import StepCoefficients, StepFactors
+from tautwire.numerics.motion.pantograph import PantographStep
+from tautwire.numerics.network.system import System, dropper_axial_force
+
+Array = NDArray[Any]
+
+_SLOW = 0.3
+_SLOW_ALLOWED = 2
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time after ``count`` equal steps from ``since``: no rounding adds up in between."""
+
+    since: float = 0.0
+    count: int = 0
+    time_step: float = 0.0
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return self.since + self.count * self.time_step
+
+    def after(self, time_step: float) -> Clock:
+        """Return the clock after one more step [s]."""
+        if time_step == self.time_step:
+            return Clock(self.since, self.count + 1, time_step)
+        return Clock(self.time, 1, time_step)
+
+
+@dataclass(frozen=True, eq=False)
+class PantographState:
+    """Where one pantograph is; heights count from the start."""
+
+    z: Array
+    v: Array
+    a: Array
+    force: float = 0.0
+    gap: float = float("nan")
+    wire_height: float = float("nan")
+    element: int = 0
+
+    @classmethod
+    def at_rest(cls, stages: int) -> PantographState:
+        """Return a pantograph with some stages that has not entered the line."""
+        still = np.zeros(stages)
+        return cls(still, still, still)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Everything a step starts from; never changed, so that a state is its own mark."""
+
+    clock: Clock
+    q: Array
+    v: Array
+    a: Array
+    g: Array
+    pantographs: tuple[PantographState, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What is known of one pantograph in a step before its contact force is.
+
+    ``rise`` is the height of the running surface above the wire, ``stiffness`` that of the
+    contact in series with the head's compliance over the step.
+    """
+
+    index: int
+    chain: PantographStep
+    x: float
+    rise: float
+    head_free: float
+    stiffness: float
+    z: Array
+    v: Array
+    a_free: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A step to be solved: the predicted state with zero end acceleration."""
+
+    c: StepCoefficients
+    clock: Clock
+    start: State
+    q_p: Array
+    v_p: Array
+    predictions: tuple[Prediction, ...]
+
+    def position(self, a: Array) -> Array:
+        """Return the coordinates at the end for an end acceleration."""
+        return self.q_p + self.c.to_position * a
+
+    def velocity(self, a: Array) -> Array:
+        """Return the velocities at the end for an end acceleration."""
+        return self.v_p + self.c.to_velocity * a
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """Contact of one pantograph at an iterate."""
+
+    prediction: Prediction
+    point: ContactPoint
+    force: float
+
+    @property
+    def surface(self) -> float:
+        """Height of the running surface [m]."""
+        return self.point.height + self.prediction.rise
+
+
+class StepSolver:
+    """Solves for the increments of one step: kept factor, node rotation, rank-one contacts."""
+
+    def __init__(
+        self, system: System, factors: StepFactors, step: Step, *, full_newton: bool
+    ) -> None:
+        self._system, self._factors, self._step = system, factors, step
+        self._columns: Array | None = None
+        self._factor = None if full_newton else factors.get(step.c.time_step)
+        if self._factor is not None:
+            ahead = step.start.q + step.c.time_step * step.start.v
+            self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
+
+    def renew(self, q: Array, v: Array, *, only_taut: bool) -> None:
+        """Factor the matrix at an iterate; without its slack droppers when ``only_taut``."""
+        dt, self._columns = self._step.c.time_step, None
+        if only_taut:
+            taut = dropper_axial_force(self._system, q, v) > 0.0
+            self._factor = self._factors.make(q, dt, taut)
+        else:
+            self._factor = self._factors.renew(q, dt)
+        if self._factor is not None:
+            self._rotation = NodeRotation(self._factor.tangents, self._factor.tangents)
+
+    def solve(self, r: Array, touches: list[Touch]) -> Array | None:
+        """Solve ``(A + sum kappa N G') da = r`` with the contacts that are closed.
+
+        None when the matrix could not be factored.
+        """
+        if self._factor is None:
+            return None
+        x = self._precondition(r)
+        if self._columns is None:
+            self._columns = self._contact_columns(touches)
+        closed = [i for i, touch in enumerate(touches) if touch.force > 0.0]
+        if not closed:
+            return x
+        c, columns = self._step.c, self._columns
+        y = np.empty(len(closed))
+        small = np.empty((len(closed), len(closed)))
+        for row, i in enumerate(closed):
+            point = touches[i].point
+            y[row] = _height_rate(point, x)
+            small[row] = [_height_rate(point, columns[:, j]) for j in closed]
+            kappa = c.weight * touches[i].prediction.stiffness * c.to_position
+            small[row, row] += 1.0 / kappa
+        return x - columns[:, closed] @ np.linalg.solve(small, y)
+
+    def _contact_columns(self, touches: list[Touch]) -> Array:
+        """Return ``A^-1 N`` for every pantograph on the line, ``(n_dof, n_touch)``."""
+        columns = np.zeros((self._system.dof_count, len(touches)))
+        for i, touch in enumerate(touches):
+            columns[touch.point.dofs_z, i] = touch.point.row
+            columns[:, i] = self._precondition(columns[:, i])
+        return columns
+
+    def _precondition(self, r: Array) -> Array:
+        assert self._factor is not None
+        x = self._factor.solve(r, self._rotation)
+        x[self._system.fixed] = 0.0
+        return x
+
+
+class Watchdog:
+    """Watches the contraction of one step's iteration and says when a new factor is needed."""
+
+    def __init__(self, *, full_newton: bool) -> None:
+        self.full_newton = full_newton
+        self.wants_factor = full_newton
+        self.count = 0
+        self._last = np.inf
+        self._slow = 0
+
+    def observe(self, increment: float) -> None:
+        """Take note of the increment of an iteration."""
+        self.count += 1
+        if self.full_newton:
+            return
+        is_slow = increment > _SLOW * self._last
+        self._slow += is_slow
+        self._last = increment
+        self.wants_factor = is_slow and self._slow == _SLOW_ALLOWED
+        if self._slow > 2 * _SLOW_ALLOWED:
+            self.full_newton = self.wants_factor = True
+
+
+def _height_rate(point: ContactPoint, x: Array) -> float:
+    """Return the gradient of the touched point's height along ``x``."""
+    along = point.row @ x[point.dofs_x]
+    return float(point.row @ x[point.dofs_z] - point.slope * along)

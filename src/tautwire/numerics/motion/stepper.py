@@ -1,0 +1,272 @@
+"""What a time integration is given and what it gives back; shared by all backends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.motion.dispersion import WaveStiffening
+from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.newmark import Integrator
+from tautwire.status import Status
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+
+_HISTORIES = (
+    "time",
+    "contact_force",
+    "gap",
+    "wire_height",
+    "stages",
+    "dropper_force",
+    "observed",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RoofMotion:
+    """Prescribed motion of the roof, linear between the given instants, constant outside.
+
+    Attributes
+    ----------
+    time : (n,) s
+    height : (n,) m
+    """
+
+    time: Array
+    height: Array
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Return height [m] and velocity [m/s] of the roof."""
+        height = float(np.interp(time, self.time, self.height))
+        segment = int(np.searchsorted(self.time, time, side="right")) - 1
+        if not 0 <= segment < len(self.time) - 1:
+            return height, 0.0
+        rise = self.height[segment + 1] - self.height[segment]
+        return height, float(rise / (self.time[segment + 1] - self.time[segment]))
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceProfile:
+    """Unevenness of the running surface of the contact wire, linear between even ordinates.
+
+    Attributes
+    ----------
+    start : float m
+        Longitudinal position of the first ordinate.
+    spacing : float m
+    height : (n,) m
+        Height of the running surface above the wire, positive up; none beyond the ends.
+    """
+
+    start: float
+    spacing: float
+    height: Array
+
+    @property
+    def x(self) -> Array:
+        """Longitudinal positions of the ordinates, ``(n,)`` [m]."""
+        return self.start + self.spacing * np.arange(len(self.height))
+
+    def at(self, x: Array) -> Array:
+        """Return the heights at longitudinal positions, of the shape of ``x`` [m]."""
+        place = (np.asarray(x, dtype=float) - self.start) / self.spacing
+        last = len(self.height) - 1
+        left = np.clip(place.astype(np.int64), 0, last - 1)
+        share = place - left
+        height = (1.0 - share) * self.height[left] + share * self.height[left + 1]
+        return np.where((place >= 0.0) & (place <= last), height, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PantographInput:
+    """One pantograph on its way along the line.
+
+    Attributes
+    ----------
+    chain : PantographChain
+    start_time : float s
+        When it enters the line, at rest and just touching.
+    start_x : float m
+        Where it enters.
+    start_height : float m
+        Height of the head at the start; its base spring is slack there.
+    velocity : float m/s
+        Along x; negative in running direction -x.
+    uplift_force : float N
+        Reached after ``ramp`` seconds, along half a cosine.
+    ramp : float s
+    roof : RoofMotion or None
+    surface : SurfaceProfile or None
+        Unevenness of the running surface that the head meets.
+    """
+
+    chain: PantographChain
+    start_time: float
+    start_x: float
+    start_height: float
+    velocity: float
+    uplift_force: float
+    ramp: float
+    roof: RoofMotion | None = None
+    surface: SurfaceProfile | None = None
+
+    def position(self, time: Any) -> Any:
+        """Longitudinal position at one instant or at several [m]."""
+        return self.start_x + self.velocity * (time - self.start_time)
+
+    def unevenness(self, time: Array) -> Array:
+        """Return the height of the running surface above the wire where the head is [m]."""
+        place = self.start_x + self.velocity * (np.asarray(time, dtype=float) - self.start_time)
+        return np.zeros(np.shape(place)) if self.surface is None else self.surface.at(place)
+
+    def external(self, time: float) -> Array:
+        """Return uplift force and roof motion as forces on the stages, ``(n_stage,)`` [N]."""
+        since = time - self.start_time
+        share = 1.0
+        if since < self.ramp:
+            share = 0.5 - 0.5 * np.cos(np.pi * max(since, 0.0) / self.ramp)
+        load = np.zeros(self.chain.stage_count)
+        load[self.chain.force_stage] = share * self.uplift_force
+        if self.roof is not None:
+            height, velocity = self.roof.at(since)
+            load[-1] += self.chain.stiffness[-1] * height + self.chain.damping[-1] * velocity
+        return load
+
+
+@dataclass(frozen=True, eq=False)
+class StepOptions:
+    """How a time integration works.
+
+    Attributes
+    ----------
+    integrator : Newmark or HHT
+    time_step : float s
+    contact_stiffness : float N/m
+    tolerance : float m
+        Largest increment of a coordinate accepted as converged.
+    iterations : int
+        Most iterations per step.
+    full_newton : bool
+        Tangent and factor at every iteration (the check of the fast path).
+    stiffening : WaveStiffening or None
+        With a step dt, wires have the bending stiffness ``EI + dt^2 bending`` and the line carries
+        ``load + dt^2 load``; damping stays that of ``EI``.
+    """
+
+    integrator: Integrator
+    time_step: float
+    contact_stiffness: float
+    tolerance: float = 3e-8
+    iterations: int = 30
+    full_newton: bool = False
+    stiffening: WaveStiffening | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class StepBlock:
+    """Histories of a number of completed steps.
+
+    Attributes
+    ----------
+    time : (n_step,) s
+    contact_force : (n_step, n_pantograph) N
+    gap : (n_step, n_pantograph) m
+        Running surface of the wire above head; negative in contact; NaN before the pantograph
+        has entered.
+    wire_height : (n_step, n_pantograph) m
+    stages : (n_step, n_stage_total) m
+        Displacements of the stages from their start, pantograph by pantograph, head first.
+    dropper_force : (n_step, n_dropper) N
+    observed : (n_step, n_observed)
+        Coordinates of the observed degrees of freedom.
+    status : Status
+        ``RUNNING`` while everything is well; otherwise the step after the last one failed.
+    refused_gap : (n_pantograph,) m or None
+        Gaps at the end of the step that was tried and not kept because a contact opened or
+        closed in it; None when there was no such step.
+    """
+
+    time: Array
+    contact_force: Array
+    gap: Array
+    wire_height: Array
+    stages: Array
+    dropper_force: Array
+    observed: Array
+    status: Status
+    refused_gap: Array | None = None
+
+    def rows(self, first: int, stop: int, every: int = 1) -> StepBlock:
+        """Return some of the steps."""
+        kept = {name: getattr(self, name)[first:stop:every] for name in _HISTORIES}
+        return StepBlock(status=self.status, **kept)
+
+    @classmethod
+    def joined(cls, blocks: Sequence[StepBlock], status: Status) -> StepBlock:
+        """Join at least one block to one, with a status of its own."""
+        kept = {name: np.concatenate([getattr(b, name) for b in blocks]) for name in _HISTORIES}
+        return cls(status=status, **kept)
+
+
+@dataclass
+class StepCounters:
+    """Work done so far."""
+
+    steps: int = 0
+    iterations: int = 0
+    refactorisations: int = 0
+    full_newton_steps: int = 0
+    notes: dict[str, Any] = field(default_factory=dict)
+
+
+class Stepper(Protocol):
+    """A time integration under way.
+
+    ``mark`` and ``rewind`` let a step control redo what it has just done with other steps. A mark
+    is the complete state (wires, pantographs, time); it stays valid whatever is computed after it.
+    """
+
+    counters: StepCounters
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        ...
+
+    @property
+    def coordinates(self) -> Array:
+        """Nodal coordinates at the time reached, ``(n_dof,)``."""
+        ...
+
+    def advance(
+        self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
+    ) -> StepBlock:
+        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
+
+        Parameters
+        ----------
+        steps
+            Number of steps.
+        time_step
+            Step [s]; that of the options by default. Any positive step is allowed. Steps of
+            1, 1/2, 1/4 ... of the options' step find their matrix factored in advance after
+            their first use; other steps use the factor of a slightly longer one.
+        until_crossing
+            Stop before a step in which the gap of a pantograph changes between negative
+            (contact) and not negative. That step is not kept; its gaps are returned.
+        """
+        ...
+
+    def mark(self) -> object:
+        """Return the present state, to come back to."""
+        ...
+
+    def rewind(self, mark: object) -> None:
+        """Go back to a state returned by ``mark``; counters keep counting."""
+        ...

@@ -1,0 +1,1 @@
+"""The line as arrays and the matrices assembled from them."""

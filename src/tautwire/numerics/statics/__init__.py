@@ -1,0 +1,1 @@
+"""Newton's method, shape finding and the loaded line."""

@@ -1,0 +1,209 @@
+"""Shape finding: one bordered Newton solve for coordinates and unstrained lengths (paper eq. 7).
+
+The x coordinate of every wire node is prescribed by the mesh; the unstrained length of the element
+on its left takes its place among the unknowns. In height mode the contact wire's z at a dropper is
+prescribed and the dropper's unstrained length takes its place. The system stays square and banded:
+``d(Q - G)/dL0`` fills the columns of the replaced coordinates. Gravity and masses depend on the
+unstrained lengths too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.numerics.elements import ancf
+from tautwire.numerics.network.banded import Pattern
+from tautwire.numerics.network.system import System, internal_force, tangent_parts, weight_load
+from tautwire.numerics.statics.newton import NewtonResult, NewtonSettings, damped_newton
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+
+_LARGEST_STEP = {"position": 0.5, "slope": 0.1, "length": 0.05}
+_INCREMENT = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class FormProblem:
+    """A line whose shape is sought.
+
+    Attributes
+    ----------
+    system : System
+        Connectivity, stiffness, first guess of coordinates and lengths. ``load`` holds the loads
+        that do not depend on lengths (end tensions, clamps, arms).
+    held : (n_dof,) bool
+        Prescribed coordinates whose equation is not solved (their reaction follows).
+    cable_slot : (n_cable,)
+        Degree of freedom whose column is replaced by the element's unstrained length.
+    dropper_slot : (n_dropper,)
+        Degree of freedom replaced by the dropper's unstrained length; -1 where the length is given.
+    dropper_mass : float kg/m
+    gravity : float m/s2
+    taut : (n_dropper,) bool
+        Droppers that carry force.
+    """
+
+    system: System
+    held: NDArray[np.bool_]
+    cable_slot: Index
+    dropper_slot: Index
+    dropper_mass: float
+    dropper_axial_stiffness: Array | None
+    gravity: float
+    taut: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """Outcome of shape finding.
+
+    Attributes
+    ----------
+    system : System
+        The problem's system with the found coordinates, lengths, and complete loads.
+    reactions : (n_dof,) N, N m
+        Force that holds each held degree of freedom; zero elsewhere up to the residual.
+    newton : NewtonResult
+    """
+
+    system: System
+    reactions: Array
+    newton: NewtonResult
+
+
+def find_form(problem: FormProblem, residual: float = 1e-4) -> Form:
+    """Solve for the equilibrium shape.
+
+    Parameters
+    ----------
+    problem
+        What is prescribed, and a first guess.
+    residual
+        Largest out-of-balance force accepted [N].
+    """
+    return _FormFinder(problem).solve(residual)
+
+
+class _FormFinder:
+    def __init__(self, problem: FormProblem) -> None:
+        self.problem = problem
+        system = problem.system
+        self.n_dof, self.n_cable = system.dof_count, len(system.cable_length)
+        self.pattern = Pattern(system)
+        self.replaced = np.zeros(self.n_dof, dtype=bool)
+        self.replaced[problem.cable_slot] = True
+        self.free_length = np.flatnonzero(problem.dropper_slot >= 0)
+        self.replaced[problem.dropper_slot[self.free_length]] = True
+        keep = ~problem.held[self.pattern.rows]
+        keep &= ~(problem.held | self.replaced)[self.pattern.cols]
+        self.kept = np.flatnonzero(keep)
+        self.cable_dofs = (6 * system.cable_nodes[:, :, None] + np.arange(6)).reshape(-1, 12).T
+        self.dropper_dofs = (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6).T
+
+    def unpack(self, x: Array) -> System:
+        """Return the system at coordinates and lengths ``x``."""
+        q, cables, droppers = np.split(x, [self.n_dof, self.n_dof + self.n_cable])
+        changes: dict[str, Any] = {
+            "position": q,
+            "cable_length": cables,
+            "dropper_length": droppers,
+        }
+        if self.problem.dropper_axial_stiffness is not None:
+            changes["dropper_stiffness"] = self.problem.dropper_axial_stiffness / droppers
+        system = self.problem.system.with_(**changes)
+        weight = weight_load(system, self.problem.dropper_mass, self.problem.gravity)
+        return system.with_(load=system.load + weight)
+
+    def axial_forces(self, system: System) -> tuple[Array, Array]:
+        """Return unbalanced nodal forces Q - load and dropper forces."""
+        taut = self.problem.taut
+        stiffness = np.where(taut, system.dropper_stiffness, 0.0)
+        force = internal_force(
+            system.with_(dropper_stiffness=stiffness), system.position, slackening=False
+        )
+        return force.nodal - system.load, force.dropper_axial
+
+    def residual(self, x: Array) -> Array:
+        r, _ = self.axial_forces(self.unpack(x))
+        return np.where(self.problem.held, 0.0, r)
+
+    def direction(self, x: Array, r: Array) -> Array | None:
+        from scipy.linalg import LinAlgError, solve_banded
+
+        system = self.unpack(x)
+        width = self.pattern.bandwidth
+        band = self.bordered_band(system, width)
+        try:
+            step = solve_banded((width, width), band, -r, check_finite=False)
+        except LinAlgError:
+            return None
+        return self.pack_step(step)
+
+    def bordered_band(self, system: System, width: int) -> Array:
+        """Return the tangent with length columns in general banded storage."""
+        parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
+        values = self.pattern.values(parts)[self.kept]
+        rows, cols = self.pattern.rows[self.kept], self.pattern.cols[self.kept]
+        blocks = [(rows, cols, values), self.cable_columns(system), self.dropper_columns(system)]
+        rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
+        keep = ~self.problem.held[rows]
+        flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
+        height = 2 * width + 1
+        band = np.bincount(flat, weights=values[keep], minlength=height * self.n_dof)
+        band = band.reshape(height, self.n_dof)
+        band[width, self.problem.held & ~self.replaced] += 1.0
+        return band
+
+    def cable_columns(self, system: System) -> tuple[Index, Index, Array]:
+        """Return d(Q - G)/dL0 of the wire elements."""
+        column = ancf.length_derivative(system.cable_coordinates(system.position), system.section)
+        column[:, 2] -= ancf.weight_length_derivative(
+            system.cable_length, system.cable_mass, self.problem.gravity
+        )
+        cols = np.broadcast_to(self.problem.cable_slot, self.cable_dofs.shape)
+        return self.cable_dofs.ravel(), cols.ravel(), column.reshape(-1)
+
+    def dropper_columns(self, system: System) -> tuple[Index, Index, Array]:
+        """Return d(Q - G)/dL0 of the droppers whose length is sought."""
+        free = self.free_length
+        state = system.dropper_state(system.position)
+        rate = -system.dropper_stiffness
+        if self.problem.dropper_axial_stiffness is not None:
+            rate = rate * state.length / system.dropper_length
+        pull = rate * state.direction
+        column = np.concatenate([pull, -pull])
+        half = 0.5 * self.problem.dropper_mass * self.problem.gravity
+        column[[2, 5]] += half
+        rows = self.dropper_dofs[:, free]
+        cols = np.broadcast_to(self.problem.dropper_slot[free], rows.shape)
+        return rows.ravel(), cols.ravel(), column[:, free].ravel()
+
+    def pack_step(self, step: Array) -> Array:
+        """Distribute a solution over coordinates and lengths."""
+        problem = self.problem
+        dq = np.where(problem.held | self.replaced, 0.0, step)
+        droppers = np.zeros(len(problem.dropper_slot))
+        droppers[self.free_length] = step[problem.dropper_slot[self.free_length]]
+        return np.concatenate([dq, step[problem.cable_slot], droppers])
+
+    def limits(self) -> Array:
+        """Return the largest step of each unknown."""
+        nodal = np.repeat([_LARGEST_STEP["position"], _LARGEST_STEP["slope"]], 3)
+        lengths = self.n_cable + len(self.problem.dropper_slot)
+        return np.concatenate(
+            [np.tile(nodal, self.n_dof // 6), np.full(lengths, _LARGEST_STEP["length"])]
+        )
+
+    def solve(self, residual: float) -> Form:
+        start = self.problem.system
+        x = np.concatenate([start.position, start.cable_length, start.dropper_length])
+        settings = NewtonSettings(increment=_INCREMENT, residual=residual)
+        newton = damped_newton(x, self.residual, self.direction, self.limits(), settings)
+        system = self.unpack(newton.x)
+        reactions, _ = self.axial_forces(system)
+        return Form(system, reactions, newton)

@@ -1,0 +1,381 @@
+"""Figures of the contact force: over position, as spectrum, as distribution, per span."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.report.figures import style
+from tautwire.report.figures.packing import share, thinned
+from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
+from tautwire.results.run import Run
+from tautwire.results.statistics import FilteredStatistics
+from tautwire.signals.spectra import PassingLine, Spectrum, amplitude_spectrum, passing_lines
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+Array = NDArray[np.float64]
+HIGHEST = 200.0
+WAVELENGTHS = (55.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.0, 0.5)
+
+
+def force_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the contact force over position: unfiltered, up to 200 Hz and up to 20 Hz.
+
+    Supports are lines numbered on the upper axis, droppers ticks at the lower edge, the analysed
+    section is shaded, losses of contact are marked on the zero line.
+    """
+    import plotly.graph_objects as go
+
+    first, shown = views[0], series(views)
+    single = len(shown) == 1
+    figure = go.Figure(layout=style.layout(480, top=76))
+    for item in shown:
+        if not item.force.is_empty:
+            _add_force_curves(figure, item, share(3 * len(shown)), single=single)
+    _add_losses(figure, shown)
+    add_line_marks(figure, first.run, first.section)
+    figure.update_layout(
+        xaxis=style.axis("position along the track [m]", showgrid=False, range=_opening(first)),
+        yaxis=style.axis(
+            "contact force [N]", zeroline=True, zerolinecolor=style.SOFT, rangemode="tozero"
+        ),
+    )
+    return style.fit_legend(figure)
+
+
+def _opening(view: RunView) -> list[float]:
+    """Return the part of the line that is shown first: the section and a little more."""
+    start, end = view.section
+    margin = 0.02 * (end - start)
+    return [start - margin, end + margin]
+
+
+def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bool) -> None:
+    """Add the three curves of one pantograph.
+
+    Of several series only the filtered curves show at first; one entry of the legend switches
+    all unfiltered ones, another all up to 200 Hz.
+    """
+    look, force, cutoff = style.look(item.number), item.force, item.view.lowpass.cutoff
+    raw = {"color": style.RAW if single else look.colour, "width": 1 if single else 0.7}
+    wide = {"color": style.WIDE if single else look.colour, "width": 1.1}
+    curves: list[tuple[str, Array | None, dict[str, Any], bool]] = [
+        ("unfiltered", force.raw, raw, single),
+        (f"0–{WIDE_CUTOFF:g} Hz", force.wide, wide, False),
+    ]
+    for name, values, line, is_shown in curves:
+        if values is not None:
+            _add_curve(
+                figure,
+                force.position,
+                values,
+                limit,
+                name=name,
+                line=line,
+                legendgroup=name,
+                showlegend=item.number == 0,
+                visible=True if is_shown else "legendonly",
+            )
+    line = {"color": look.colour, "width": 2.2, "dash": look.dash}
+    name = item.named(f"0–{cutoff:g} Hz")
+    _add_curve(figure, force.position, force.low, limit, name=name, line=line)
+
+
+def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **more: Any) -> None:
+    kept = thinned(force, limit)
+    figure.add_scatter(
+        x=position[kept].astype(np.float32),
+        y=force[kept].astype(np.float32),
+        mode="lines",
+        hovertemplate="%{y:.0f} N",
+        **more,
+    )
+
+
+def _add_losses(figure: go.Figure, shown: Sequence[Series]) -> None:
+    """Mark the losses of contact of all series on the zero line."""
+    found = [
+        (event, item.named(""))
+        for item in shown
+        for event in item.view.statistics.pantographs[
+            item.view.forces.index(item.force)
+        ].contact_loss.events
+    ]
+    if not found:
+        return
+    figure.add_scatter(
+        x=[event.position for event, _ in found],
+        y=[0.0] * len(found),
+        mode="markers",
+        name="contact loss",
+        marker={"symbol": "x", "size": 9, "color": style.SLACK, "line": {"width": 1}},
+        text=[f"{1e3 * e.duration:.1f} ms at {e.place} {who}" for e, who in found],
+        hovertemplate="%{text}",
+    )
+
+
+def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) -> None:
+    """Mark supports (upper axis), droppers (lower edge) and the analysed section."""
+    shape = run.equilibrium
+    labels = [
+        f"dropper {n} of span {s}"
+        for s, n in zip(shape.dropper_span, shape.dropper_number, strict=True)
+    ]
+    figure.add_scatter(
+        x=shape.dropper_x.astype(np.float32),
+        y=np.full(shape.dropper_x.size, 0.012, dtype=np.float32),
+        yaxis="y9",
+        mode="markers",
+        marker={"symbol": "line-ns-open", "size": 9, "color": style.SOFT},
+        text=labels,
+        hovertemplate="%{text}<extra></extra>",
+        name="droppers",
+        showlegend=False,
+    )
+    ends = [shape.support_x[0], shape.support_x[-1]]
+    figure.add_scatter(
+        x=ends, y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip", mode="lines"
+    )
+    figure.add_vrect(
+        x0=section[0], x1=section[1], fillcolor=style.SECTION, line_width=0, layer="below"
+    )
+    figure.update_layout(
+        xaxis9=style.support_axis(shape.support_x.tolist()),
+        yaxis9={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True},
+    )
+
+
+def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the amplitude spectrum of the unfiltered force over the analysed section.
+
+    The frequencies at which spans and dropper intervals are passed are marked.
+    """
+    import plotly.graph_objects as go
+
+    shown = series(views)
+    figure, peaks = go.Figure(layout=style.layout(430, top=76)), []
+    for item in shown:
+        spectrum = section_spectrum(item)
+        if spectrum is None:
+            continue
+        peaks.append(float(spectrum.value[1:].max()))
+        look = style.look(item.number)
+        kept = spectrum.abscissa <= HIGHEST
+        figure.add_scatter(
+            x=spectrum.abscissa[kept][1:].astype(np.float32),
+            y=spectrum.value[kept][1:].astype(np.float32),
+            name=item.label or "unfiltered force",
+            mode="lines",
+            line={"color": look.colour, "width": 1.4, "dash": look.dash},
+            hovertemplate="%{y:.2f} N",
+            showlegend=len(shown) > 1,
+        )
+    speeds = {view.run.case.scenario.speed for view in views}
+    figure.update_layout(
+        xaxis=style.axis("frequency [Hz]", range=[0, 50]),
+        yaxis=style.axis(
+            "amplitude [N]", type="log", dtick=1, exponentformat="none", range=_decades(peaks)
+        ),
+    )
+    if len(speeds) == 1:
+        _add_passing_lines(figure, passings(views[0]))
+        _add_wavelength_axis(figure, speeds.pop())
+    return style.fit_legend(figure)
+
+
+def _decades(peaks: Sequence[float]) -> list[float]:
+    """Return the limits of the logarithmic axis: three and a half decades below the peak."""
+    top = float(np.log10(max([*peaks, 1e-6]))) + 0.25
+    return [top - 3.75, top]
+
+
+def section_spectrum(item: Series) -> Spectrum | None:
+    """Return the amplitude spectrum of the unfiltered force over the section, Hann window."""
+    force = item.force
+    if force.is_empty:
+        return None
+    inside = item.view.statistics.section.contains(force.position)
+    if inside.sum() < 64:
+        return None
+    return amplitude_spectrum(force.raw[inside], float(force.time[1] - force.time[0]), "hann")
+
+
+def passings(view: RunView) -> tuple[PassingLine, ...]:
+    """Return the passing frequencies of the commonest span, dropper and support distances."""
+    shape, section = view.run.equilibrium, view.statistics.section
+    spans = np.diff(shape.support_x)[section.first_span - 1 : section.last_span]
+    lengths = {"span": _commonest(spans)}
+    inside = (shape.dropper_span >= section.first_span) & (shape.dropper_span <= section.last_span)
+    x, span = shape.dropper_x[inside], shape.dropper_span[inside]
+    same_span = np.diff(span) == 0
+    if same_span.any():
+        lengths["droppers"] = _commonest(np.diff(x)[same_span])
+    firsts = np.flatnonzero(np.diff(span, prepend=0))
+    if firsts.size:
+        gaps = x[firsts] - shape.support_x[span[firsts] - 1]
+        lengths["support to dropper"] = _commonest(gaps)
+    speed = view.run.case.scenario.speed
+    spans_only = passing_lines({"span": lengths.pop("span")}, speed, HIGHEST)
+    return (*spans_only, *passing_lines(lengths, speed, HIGHEST, orders=2))
+
+
+def _commonest(values: Array) -> float:
+    """Return the value met most often, to the centimetre."""
+    found, number = np.unique(np.round(values, 2), return_counts=True)
+    return float(found[number.argmax()])
+
+
+def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
+    heights = {"span": 0.99, "droppers": 0.99, "support to dropper": 0.92}
+    for line in lines:
+        name = line.name if line.order == 1 else f"{line.name} / {line.order}"
+        figure.add_vline(x=line.frequency, line={"color": style.SOFT, "width": 1, "dash": "dot"})
+        figure.add_annotation(
+            x=line.frequency,
+            y=heights[line.name],
+            yref="paper",
+            text=f"{name} {line.length:g} m" if line.order == 1 else name,
+            showarrow=False,
+            xanchor="left",
+            xshift=3,
+            font={"size": 11, "color": style.SOFT},
+            bgcolor="rgba(255,255,255,0.85)",
+        )
+
+
+def _add_wavelength_axis(figure: go.Figure, speed: float) -> None:
+    """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
+    figure.add_scatter(
+        x=[0, HIGHEST], y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip"
+    )
+    figure.update_layout(
+        xaxis9={
+            "overlaying": "x",
+            "matches": "x",
+            "side": "top",
+            "title": {"text": "wavelength [m]", "standoff": 4, "font": {"size": 12}},
+            "tickmode": "array",
+            "tickvals": [speed / length for length in WAVELENGTHS],
+            "ticktext": [f"{length:g}" for length in WAVELENGTHS],
+            "tickfont": {"size": 11, "color": style.SOFT},
+            "ticks": "outside",
+            "ticklen": 3,
+            "showgrid": False,
+            "zeroline": False,
+        }
+    )
+
+
+def histogram_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the distribution of the low-passed force beside the normal one of equal mean and σ."""
+    import plotly.graph_objects as go
+
+    shown = series(views)
+    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest", barmode="group"))
+    for item in shown:
+        headline = _headline(item)
+        if headline.histogram.share.size:
+            (_add_bars if len(shown) == 1 else _add_outline)(figure, item, headline)
+    figure.update_layout(
+        xaxis=style.axis("contact force [N]", showgrid=False),
+        yaxis=style.axis("share of time [%]", rangemode="tozero"),
+        bargap=0.15,
+    )
+    return style.fit_legend(figure, 380)
+
+
+def _add_bars(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+    """Draw the distribution of a single series as bars, with the normal one."""
+    edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
+    look, width = style.look(item.number), float(edges[1] - edges[0])
+    figure.add_bar(
+        x=edges[:-1] + 0.5 * width,
+        y=share,
+        name="simulated",
+        marker=style.filling(look),
+        hovertemplate="%{x:.0f} N: %{y:.1f} %<extra></extra>",
+    )
+    deviation = max(headline.standard_deviation, 1e-9)
+    force = np.linspace(edges[0] - 2 * width, edges[-1] + 2 * width, 160)
+    normal = np.exp(-0.5 * ((force - headline.mean) / deviation) ** 2) / np.sqrt(2 * np.pi)
+    figure.add_scatter(
+        x=force.astype(np.float32),
+        y=(100 * width * normal / deviation).astype(np.float32),
+        mode="lines",
+        name="normal, same mean and σ",
+        line={"color": style.SLACK, "width": 1.8, "dash": "dot"},
+        hoverinfo="skip",
+    )
+
+
+def _add_outline(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+    """Draw the distribution of one of several series as a line through the classes."""
+    edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
+    look, middle = style.look(item.number), 0.5 * (edges[:-1] + edges[1:])
+    figure.add_scatter(
+        x=middle,
+        y=share,
+        mode="lines+markers",
+        name=item.label,
+        line={"color": look.colour, "width": 1.8, "dash": look.dash},
+        marker={"symbol": look.symbol, "size": 6},
+        hovertemplate="%{x:.0f} N: %{y:.1f} %",
+    )
+
+
+def _headline(item: Series) -> FilteredStatistics:
+    """Return the headline statistics of a series."""
+    index = item.view.forces.index(item.force)
+    return item.view.statistics.pantographs[index].headline
+
+
+def spans_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw mean, standard deviation and extremes of the low-passed force per span."""
+    import plotly.graph_objects as go
+
+    shown = series(views)
+    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest"))
+    for item in shown:
+        rows, look = _headline(item).per_span, style.look(item.number)
+        span = np.array([row.span for row in rows], dtype=float)
+        span += 0.14 * (item.number - 0.5 * (len(shown) - 1))
+        numbers = np.array([(r.mean, r.standard_deviation, r.maximum, r.minimum) for r in rows]).T
+        mean, deviation, highest, lowest = numbers
+        common: dict[str, Any] = {"legendgroup": item.label, "x": span}
+        figure.add_scatter(
+            **common,
+            y=mean,
+            mode="markers",
+            marker={"size": 1, "color": look.colour},
+            error_y={
+                "type": "data",
+                "symmetric": False,
+                "array": highest - mean,
+                "arrayminus": mean - lowest,
+                "thickness": 1,
+                "width": 5,
+            },
+            showlegend=False,
+            hoverinfo="skip",
+        )
+        figure.add_scatter(
+            **common,
+            y=mean,
+            mode="markers",
+            name=item.label or "mean, ± σ (thick), extremes (thin)",
+            marker={"size": 8, "color": look.colour, "symbol": look.symbol},
+            error_y={"type": "data", "array": deviation, "thickness": 4, "width": 0},
+            customdata=np.column_stack([[row.span for row in rows], deviation, highest, lowest]),
+            hovertemplate="span %{customdata[0]:.0f}: mean %{y:.1f} N, σ %{customdata[1]:.1f} N, "
+            "%{customdata[3]:.0f} to %{customdata[2]:.0f} N<extra></extra>",
+        )
+    figure.update_layout(
+        xaxis=style.axis("span", showgrid=False, dtick=1),
+        yaxis=style.axis("contact force [N]", zeroline=True, zerolinecolor=style.SOFT),
+    )
+    return style.fit_legend(figure, 380)

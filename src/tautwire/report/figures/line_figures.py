@@ -1,0 +1,414 @@
+"""Figures of the line: its shape, uplift at supports, dropper forces, elasticity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.report.figures import style
+from tautwire.report.figures.force_figures import add_line_marks
+from tautwire.report.figures.packing import share, thinned
+from tautwire.report.parts.views import RunView
+from tautwire.results.equilibrium import Elasticity, Equilibrium
+from tautwire.results.run import Run
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+Array = NDArray[np.float64]
+MESSENGER = "#6a7683"
+DROPPER = "#9aa5b0"
+
+
+def line_figure(view: RunView) -> go.Figure:
+    """Draw the static line: side view, sag of the contact wire below its supports, plan view."""
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(
+        rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
+    )
+    shape = view.run.equilibrium
+    _add_side_view(figure, shape)
+    _add_sag(figure, shape)
+    _add_plan(figure, shape)
+    figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
+    x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.support_x}
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
+    figure.update_xaxes(
+        ticktext=[f"{n}<br>{p:g} m" for n, p in enumerate(shape.support_x.round(2), 1)],
+        showticklabels=True,
+        title={"text": "support and position along the track", "standoff": 14},
+        row=3,
+        col=1,
+    )
+    for row, title in enumerate(("height [m]", "sag [mm]", "lateral [mm]"), 1):
+        figure.update_yaxes(**style.axis(title), row=row, col=1)
+    figure.update_yaxes(autorange="reversed", row=2, col=1)
+    return figure
+
+
+def _opening(view: RunView) -> list[float]:
+    """Return the first three spans of the section."""
+    x, first = view.run.equilibrium.support_x, view.statistics.section.first_span
+    last = min(first + 2, x.size - 1)
+    margin = 0.03 * (x[last] - x[first - 1])
+    return [float(x[first - 1] - margin), float(x[last] + margin)]
+
+
+def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
+    contact, messenger = shape.contact_position, shape.messenger_position
+    top = np.interp(shape.dropper_x, messenger[:, 0], messenger[:, 2])
+    _add_segments(
+        figure, (shape.dropper_x, top), (shape.dropper_x, shape.dropper_heights), "droppers", 1
+    )
+    for name, wire, line in _wires(contact, messenger):
+        _add_wire(figure, wire[:, 0], wire[:, 2], name, line, row=1, text="%{y:.4f} m")
+    numbers = np.column_stack(
+        [
+            shape.dropper_span,
+            shape.dropper_number,
+            shape.dropper_forces,
+            shape.dropper_lengths_unstrained,
+            shape.dropper_lengths,
+        ]
+    )
+    figure.add_scatter(
+        x=shape.dropper_x,
+        y=0.5 * (top + shape.dropper_heights),
+        mode="markers",
+        marker={"size": 10, "opacity": 0},
+        customdata=numbers,
+        hovertemplate="dropper %{customdata[1]} of span %{customdata[0]}<br>"
+        "%{customdata[2]:.1f} N<br>%{customdata[3]:.4f} m unstrained<br>"
+        "%{customdata[4]:.4f} m stretched<extra></extra>",
+        showlegend=False,
+        row=1,
+        col=1,
+    )
+
+
+def _wires(contact: Array, messenger: Array) -> tuple[tuple[str, Array, dict[str, Any]], ...]:
+    return (
+        ("messenger wire", messenger, {"color": MESSENGER, "width": 1.8, "dash": "dash"}),
+        ("contact wire", contact, {"color": style.COLOURS[0], "width": 2.4}),
+    )
+
+
+def _add_wire(
+    figure: go.Figure, x: Array, y: Array, name: str, line: dict[str, Any], row: int, text: str
+) -> None:
+    figure.add_scatter(
+        x=x.astype(np.float32),
+        y=y.astype(np.float32),
+        mode="lines",
+        name=name,
+        line=line,
+        legendgroup=name,
+        showlegend=row == 1,
+        hovertemplate=f"{name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
+        row=row,
+        col=1,
+    )
+
+
+def _add_segments(
+    figure: go.Figure,
+    begins: tuple[Array, Array],
+    ends: tuple[Array, Array],
+    name: str,
+    row: int,
+) -> None:
+    """Add separate straight pieces as one curve with gaps."""
+    gap = np.full(begins[0].size, np.nan)
+    x = np.column_stack([begins[0], ends[0], gap]).ravel()
+    y = np.column_stack([begins[1], ends[1], gap]).ravel()
+    is_arm = name == "steady arms"
+    figure.add_scatter(
+        x=x.astype(np.float32),
+        y=y.astype(np.float32),
+        mode="lines",
+        name=name,
+        line={"color": style.SLACK if is_arm else DROPPER, "width": 2 if is_arm else 1.2},
+        hoverinfo="skip",
+        row=row,
+        col=1,
+    )
+
+
+def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
+    wire = shape.contact_position
+    straight = np.interp(wire[:, 0], shape.support_x, shape.support_heights)
+    sag = 1e3 * (straight - wire[:, 2])
+    name, _, line = _wires(wire, wire)[1]
+    _add_wire(figure, wire[:, 0], sag, name, line, row=2, text="%{y:.2f} mm below the supports")
+    at = np.interp(shape.dropper_x, shape.support_x, shape.support_heights)
+    figure.add_scatter(
+        x=shape.dropper_x.astype(np.float32),
+        y=(1e3 * (at - shape.dropper_heights)).astype(np.float32),
+        mode="markers",
+        marker={"size": 6, "color": "#fff", "line": {"color": style.COLOURS[0], "width": 1.5}},
+        name="at droppers",
+        hovertemplate="%{y:.2f} mm<extra>pre-sag at dropper</extra>",
+        row=2,
+        col=1,
+    )
+
+
+def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
+    for name, wire, line in _wires(shape.contact_position, shape.messenger_position):
+        _add_wire(figure, wire[:, 0], 1e3 * wire[:, 1], name, line, row=3, text="y = %{y:.1f} mm")
+    if shape.arm_supports.size:
+        foot_x = shape.support_x[shape.arm_supports - 1]
+        foot_y = np.interp(foot_x, shape.contact_position[:, 0], 1e3 * shape.contact_position[:, 1])
+        ends = (shape.arm_ends[:, 0], 1e3 * shape.arm_ends[:, 1])
+        _add_segments(figure, (foot_x, foot_y), ends, "steady arms", 3)
+
+
+def uplift_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the largest uplift of the contact wire at every support, pale outside the section."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(
+        layout=style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25)
+    )
+    for number, view in enumerate(views):
+        uplift, inside = view.run.support_uplift, view.statistics.uplift
+        supports = np.arange(1, uplift.shape[1] + 1)
+        highest = 1e3 * uplift.max(axis=0) if uplift.shape[0] else np.full(supports.size, np.nan)
+        highest[inside.supports - 1] = 1e3 * inside.uplift
+        figure.add_bar(
+            x=supports,
+            y=highest,
+            name=view.label,
+            showlegend=len(views) > 1,
+            marker=style.filling(style.look(number))
+            | {"opacity": np.where(np.isin(supports, inside.supports), 1.0, 0.35)},
+            hovertemplate="support %{x}: %{y:.1f} mm",
+        )
+    figure.update_layout(
+        xaxis=style.axis("support", showgrid=False, dtick=_every(views[0])),
+        yaxis=style.axis("largest uplift [mm]", rangemode="tozero"),
+    )
+    return style.fit_legend(figure, 380)
+
+
+def _every(view: RunView) -> int:
+    """Return the step between numbered supports that leaves room for their numbers."""
+    return max(1, view.run.case.line.spans // 17)
+
+
+def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the uplift over time at the support of the section where it is largest."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(330, top=40))
+    for number, view in enumerate(views):
+        support = highest_support(view)
+        if support is None or view.run.time.size < 2:
+            continue
+        history = 1e3 * view.run.support_uplift[:, support - 1].astype(float)
+        kept, look = thinned(history, share(3 * len(views), 6000)), style.look(number)
+        name = f"support {support}"
+        figure.add_scatter(
+            x=view.run.time[kept].astype(np.float32),
+            y=history[kept].astype(np.float32),
+            mode="lines",
+            name=f"{view.label}, {name}" if len(views) > 1 else name,
+            line={"color": look.colour, "width": 1.6, "dash": look.dash},
+            hovertemplate="%{y:.1f} mm",
+            showlegend=True,
+        )
+    figure.update_layout(
+        xaxis=style.axis("time [s]", showgrid=False),
+        yaxis=style.axis("uplift [mm]", zeroline=True, zerolinecolor=style.SOFT),
+    )
+    return style.fit_legend(figure, 380)
+
+
+def highest_support(view: RunView) -> int | None:
+    """Return the 1-based support of the section with the largest uplift; None without any."""
+    uplift = view.statistics.uplift
+    if not np.isfinite(uplift.uplift).any():
+        return None
+    return int(uplift.supports[np.nanargmax(uplift.uplift)])
+
+
+def height_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the height of the contact wire at the pantographs beside its static height."""
+    import plotly.graph_objects as go
+
+    first = views[0]
+    figure = go.Figure(layout=style.layout(350, top=76))
+    wire = first.run.equilibrium.contact_position
+    figure.add_scatter(
+        x=wire[:, 0].astype(np.float32),
+        y=wire[:, 2].astype(np.float32),
+        mode="lines",
+        name="static contact wire",
+        line={"color": MESSENGER, "width": 1.4, "dash": "dot"},
+        hovertemplate="%{y:.3f} m",
+    )
+    number = 0
+    limit = share(3 * sum(len(view.forces) for view in views), 8000)
+    for view in views:
+        for record in view.run.pantographs:
+            _add_height(figure, view, record.name, number, limit, many=len(views) > 1)
+            number += 1
+    add_line_marks(figure, first.run, first.section)
+    start, end = first.section
+    figure.update_layout(
+        xaxis=style.axis("position along the track [m]", showgrid=False, range=[start, end]),
+        yaxis=style.axis("height [m]"),
+    )
+    return style.fit_legend(figure)
+
+
+def _add_height(
+    figure: go.Figure, view: RunView, name: str, number: int, limit: int, *, many: bool
+) -> None:
+    record, look = view.run.pantograph(name), style.look(number)
+    position, height = record.position[record.active], record.wire_height[record.active]
+    if not height.size:
+        return
+    kept = thinned(height, limit)
+    label = f"at the pantograph, {name}" if len(view.run.pantographs) > 1 else "at the pantograph"
+    figure.add_scatter(
+        x=position[kept].astype(np.float32),
+        y=height[kept].astype(np.float32),
+        mode="lines",
+        name=f"{view.label}, {label}" if many else label,
+        line={"color": look.colour, "width": 1.8, "dash": look.dash},
+        hovertemplate="%{y:.3f} m",
+    )
+
+
+def dropper_figure(views: Sequence[RunView]) -> go.Figure:
+    """Draw the range of the dropper forces during the passage and how long they are slack."""
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(
+        rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.07, row_heights=[0.68, 0.32]
+    )
+    first = views[0]
+    shape = first.run.equilibrium
+    gaps = np.diff(shape.dropper_x)
+    room = float(gaps.min()) if gaps.size else 5.0
+    for number, view in enumerate(views):
+        shift = room * 0.8 * ((number + 0.5) / len(views) - 0.5)
+        _add_droppers(figure, view, number, shift, 0.62 * room / len(views), many=len(views) > 1)
+    figure.update_layout(style.layout(470, top=44, hovermode="closest", barmode="overlay"))
+    x = {"gridcolor": style.SUPPORT, "tickvals": shape.support_x}
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=list(first.section)))
+    figure.update_xaxes(
+        ticktext=[str(n) for n in range(1, shape.support_x.size + 1)],
+        showticklabels=True,
+        title={"text": "support", "standoff": 6},
+        row=2,
+        col=1,
+    )
+    figure.update_yaxes(
+        **style.axis("force [N]", zeroline=True, zerolinecolor=style.SOFT), row=1, col=1
+    )
+    figure.update_yaxes(**style.axis("slack [ms]", rangemode="tozero"), row=2, col=1)
+    return style.fit_legend(figure)
+
+
+def _add_droppers(
+    figure: go.Figure, view: RunView, number: int, shift: float, width: float, *, many: bool
+) -> None:
+    data, look = view.statistics.droppers, style.look(number)
+    labels = np.column_stack(
+        [data.span, data.number, data.minimum, data.maximum, data.static_force]
+    )
+    place = "dropper %{customdata[1]:.0f} of span %{customdata[0]:.0f}: "
+    prefix = f"{view.label}, " if many else ""
+    marker = style.filling(look)
+    common: dict[str, Any] = {"x": data.position + shift, "customdata": labels, "col": 1}
+    figure.add_bar(
+        **common,
+        base=data.minimum,
+        y=data.maximum - data.minimum,
+        width=width,
+        name=f"{prefix}range",
+        marker=marker,
+        hovertemplate=place + "%{customdata[2]:.0f} to %{customdata[3]:.0f} N, "
+        "static %{customdata[4]:.0f} N<extra></extra>",
+        row=1,
+    )
+    figure.add_scatter(
+        **common,
+        y=data.static_force,
+        mode="markers",
+        name="static",
+        showlegend=number == 0,
+        marker={
+            "symbol": "line-ew-open",
+            "size": 5 if many else 9,
+            "color": "#8d99a5" if not many else style.INK,
+            "line": {"width": 2},
+        },
+        hoverinfo="skip",
+        row=1,
+    )
+    figure.add_bar(
+        **common,
+        y=1e3 * data.slack_time,
+        width=width,
+        name=f"{prefix}slack",
+        marker=marker,
+        showlegend=False,
+        hovertemplate=place + "slack for %{y:.0f} ms<extra></extra>",
+        row=2,
+    )
+
+
+def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) -> go.Figure:
+    """Draw the elasticity over position, of one or several lines.
+
+    Parameters
+    ----------
+    elasticities : sequence of (label, Elasticity)
+    run : Run
+        Gives the positions of the supports.
+    """
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(360, top=40, hovermode="closest"))
+    symbols = {"support": "square", "dropper": "circle", "middle": "x-thin"}
+    for number, (label, data) in enumerate(elasticities):
+        look = style.look(number)
+        names = [
+            f"{kind} {index} of span {span}" if kind != "support" else f"support {span}"
+            for kind, index, span in zip(data.kind, data.index, data.span, strict=True)
+        ]
+        order = np.argsort(data.x)
+        figure.add_scatter(
+            x=data.x[order],
+            y=1e3 * data.elasticity[order],
+            mode="lines+markers",
+            name=label,
+            showlegend=len(elasticities) > 1,
+            line={"color": look.colour, "width": 1.6, "dash": look.dash},
+            marker={
+                "symbol": [symbols[data.kind[i]] for i in order],
+                "size": 7,
+                "color": look.colour,
+                "line": {"width": 1.6, "color": look.colour},
+            },
+            text=[names[i] for i in order],
+            hovertemplate="%{text}: %{y:.4f} mm/N<extra></extra>",
+        )
+    inside = run.equilibrium.support_x
+    figure.update_layout(
+        xaxis=style.axis(
+            "support",
+            tickvals=inside,
+            ticktext=[str(n) for n in range(1, inside.size + 1)],
+            gridcolor=style.SUPPORT,
+        ),
+        yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),
+    )
+    return style.fit_legend(figure)

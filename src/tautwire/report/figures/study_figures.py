@@ -1,0 +1,312 @@
+"""Figures of a study: standard deviations over an axis, by mesh and cut-off, over seeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.report.figures import style
+from tautwire.report.parts.words import band as band_text
+from tautwire.studies.axes import SAMPLE, AxisValues, Dimension
+from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
+from tautwire.studies.table import StudyTable
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+Array = NDArray[np.float64]
+
+CUTOFFS = ("0_20", "advised", "0_200")
+"""Bands of the curves: to 20 Hz, to the advised cut-off, to 200 Hz."""
+
+BAR_BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
+MOST_SERIES = 6
+"""With more combinations of the other axes than this, curves show their mean and range."""
+
+MOST_TICKS = 12
+MOST_BOXES = 12
+
+MESH = "settings.nodes_between_droppers"
+SEED = "settings.seed"
+_READABLE = {"m/s": ("km/h", 3.6), "N/m": ("kN/m", 1e-3), "s": ("ms", 1e3)}
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Standard deviations along one dimension, the others held at one place.
+
+    Attributes
+    ----------
+    label : str
+        Where the others are held.
+    values : mapping of str to (n,) array, N
+        By band; ``"advised"`` for the advised cut-off.
+    """
+
+    label: str
+    values: dict[str, Array]
+
+
+def readable_axis(axis: AxisValues) -> tuple[str, list[float | str]]:
+    """Return title and values of an axis in the units people use."""
+    unit, factor = _READABLE.get(axis.unit, (axis.unit, 1.0))
+    title = f"{axis.name.replace('_', ' ')}{f' [{unit}]' if unit else ''}"
+    values = [
+        float(f"{value * factor:.6g}") if isinstance(value, (int, float)) else value
+        for value in axis.coordinates
+    ]
+    return title, values
+
+
+def groups(table: StudyTable, name: str, kind: str = "sharp") -> list[Group]:
+    """Return the standard deviations along a dimension, one group per place on all others.
+
+    Parameters
+    ----------
+    table
+    name
+        Name of the dimension.
+    kind
+        Kind of filter.
+    """
+    if "std" not in table.variables or kind not in table.labels[FILTER]:
+        return []
+    along = table.names.index(name)
+    through = table.labels[FILTER].index(kind)
+    others = [d for d in table.dimensions if d.name != name]
+    found = []
+    for who, pantograph in enumerate(table.labels[PANTOGRAPH]):
+        by_band = {
+            band: np.moveaxis(table["std"].values[..., who, through, number], along, -1)
+            for number, band in enumerate(table.labels[BAND])
+        }
+        advised = table["std_advised"].values[..., who, through]
+        by_band["advised"] = np.moveaxis(advised, along, -1)
+        for index in np.ndindex(*(d.size for d in others)):
+            words = [_place(d, at) for d, at in zip(others, index, strict=True)]
+            if len(table.labels[PANTOGRAPH]) > 1:
+                words.append(pantograph)
+            values = {band: array[index] for band, array in by_band.items()}
+            found.append(Group(", ".join(words), values))
+    return found
+
+
+def _place(dimension: Dimension, at: int) -> str:
+    """Say where on a dimension something is held."""
+    if dimension.name == SAMPLE:
+        return f"sample {at + 1}"
+    words = []
+    for axis in dimension.axes:
+        title, values = readable_axis(axis)
+        value = values[at]
+        unit = title[title.index("[") + 1 : -1] if "[" in title else ""
+        shown = f"{value:g}" if isinstance(value, float) else str(value)
+        name = "NAD" if axis.path == MESH else axis.name.replace("_", " ")
+        words.append(f"{name} {shown}{f' {unit}' if unit else ''}")
+    return ", ".join(words)
+
+
+def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+    """Draw standard deviations to 20 Hz, to the advised cut-off and to 200 Hz over an axis.
+
+    Parameters
+    ----------
+    table
+    axis
+        Numeric axis.
+    name
+        Name of its dimension.
+    """
+    import plotly.graph_objects as go
+
+    title, values = readable_axis(axis)
+    order = np.argsort(np.array(values, dtype=float), kind="stable")
+    x = np.array(values, dtype=float)[order]
+    found = groups(table, name)
+    figure = go.Figure(layout=style.layout(430, top=76))
+    if len(found) <= MOST_SERIES:
+        for number, group in enumerate(found):
+            _add_curves(figure, x, {b: group.values[b][order] for b in CUTOFFS}, group, number)
+    else:
+        _add_ranges(figure, x, found, order)
+    is_log = axis.unit == "N/m" and x[0] > 0.0 and x[-1] / x[0] >= 5.0
+    ticks: dict[str, Any] = {"tickvals": x, "ticktext": [f"{value:g}" for value in x]}
+    figure.update_layout(
+        xaxis=style.axis(
+            title, type="log" if is_log else "linear", **(ticks if len(x) <= MOST_TICKS else {})
+        ),
+        yaxis=style.axis("standard deviation [N]", rangemode="tozero"),
+    )
+    return style.fit_legend(figure)
+
+
+def _add_curves(
+    figure: go.Figure, x: Array, values: dict[str, Array], group: Group, number: int
+) -> None:
+    """Add one curve per cut-off, in the colour of the group."""
+    look = style.look(number)
+    for dash, (cutoff, y) in zip(("solid", "dash", "dot"), values.items(), strict=True):
+        figure.add_scatter(
+            x=x,
+            y=y,
+            name=", ".join(filter(None, (group.label, cutoff_text(cutoff)))),
+            mode="lines+markers",
+            line={"color": look.colour, "width": 1.8, "dash": dash},
+            marker={"symbol": look.symbol, "size": 7},
+            hovertemplate="%{y:.1f} N",
+        )
+
+
+def _add_ranges(figure: go.Figure, x: Array, found: Sequence[Group], order: Any) -> None:
+    """Add mean and range over many groups, per cut-off."""
+    for number, cutoff in enumerate(CUTOFFS):
+        every = np.array([group.values[cutoff][order] for group in found])
+        look = style.look(number)
+        mean = _finite(np.nanmean, every)
+        low, high = _finite(np.nanmin, every), _finite(np.nanmax, every)
+        figure.add_scatter(
+            x=x,
+            y=mean,
+            error_y={"type": "data", "symmetric": False, "array": high - mean,
+                     "arrayminus": mean - low, "thickness": 1.2},
+            name=f"{cutoff_text(cutoff)}, mean and range of {len(found)}",
+            mode="lines+markers",
+            line={"color": look.colour, "width": 1.8, "dash": look.dash},
+            marker={"symbol": look.symbol, "size": 7},
+            hovertemplate="%{y:.1f} N",
+        )  # fmt: skip
+
+
+def _finite(reduce: Callable[..., Any], values: Array) -> Array:
+    """Reduce over the groups; NaN where no group has a value."""
+    empty = ~np.isfinite(values).any(axis=0)
+    filled = np.where(empty, 0.0, values)
+    return np.where(empty, np.nan, reduce(filled, axis=0))
+
+
+def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+    """Draw bars of the standard deviation per band and value of an axis, such as the mesh.
+
+    With several combinations of the other axes, bars are their mean.
+    """
+    import plotly.graph_objects as go
+
+    found = groups(table, name)
+    bands = [band for band in BAR_BANDS if band in table.labels[BAND]]
+    figure = go.Figure(layout=style.layout(400, top=76, barmode="group"))
+    _, values = readable_axis(axis)
+    label = "NAD" if axis.path == MESH else axis.name.replace("_", " ")
+    for at, value in enumerate(values):
+        every = np.array([[group.values[band][at] for band in bands] for group in found])
+        shown = f"{value:g}" if isinstance(value, float) else str(value)
+        figure.add_bar(
+            x=[band_text(band) for band in bands],
+            y=_finite(np.nanmean, every),
+            name=f"{label} {shown}",
+            marker=style.filling(style.look(at)),
+            hovertemplate="%{y:.1f} N",
+        )
+    figure.update_layout(
+        xaxis=style.axis("band"), yaxis=style.axis("standard deviation [N]", rangemode="tozero")
+    )
+    return style.fit_legend(figure)
+
+
+def box_figure(table: StudyTable, name: str) -> go.Figure:
+    """Draw the spread of the standard deviation over seeds or samples, one box per cut-off."""
+    import plotly.graph_objects as go
+
+    found = groups(table, name)
+    figure = go.Figure(layout=style.layout(400, top=76, boxmode="group"))
+    figure.update_layout(hovermode="closest")
+    for number, cutoff in enumerate(CUTOFFS):
+        x = [group.label or "all cases" for group in found for _ in group.values[cutoff]]
+        y = np.concatenate([group.values[cutoff] for group in found])
+        kept = np.isfinite(y)
+        figure.add_box(
+            x=[label for label, is_kept in zip(x, kept, strict=True) if is_kept],
+            y=y[kept],
+            name=cutoff_text(cutoff),
+            boxpoints="all",
+            jitter=0.4,
+            pointpos=0,
+            marker={"color": style.look(number).colour, "size": 4},
+            line={"width": 1.4},
+        )
+    figure.update_layout(
+        xaxis=style.axis("", type="category"),
+        yaxis=style.axis("standard deviation [N]", rangemode="tozero"),
+    )
+    return style.fit_legend(figure)
+
+
+def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+    """Draw the standard deviation of every sample over one of the drawn values."""
+    import plotly.graph_objects as go
+
+    title, values = readable_axis(axis)
+    figure = go.Figure(layout=style.layout(400, top=76))
+    figure.update_layout(hovermode="closest")
+    found = groups(table, name)
+    for number, cutoff in enumerate(CUTOFFS):
+        look = style.look(number)
+        figure.add_scatter(
+            x=np.tile(np.array(values, dtype=float), len(found)),
+            y=np.concatenate([group.values[cutoff] for group in found]),
+            name=cutoff_text(cutoff),
+            mode="markers",
+            marker={"color": look.colour, "symbol": look.symbol, "size": 6, "opacity": 0.75},
+            hovertemplate="%{x:.5g}: %{y:.1f} N",
+        )
+    figure.update_layout(
+        xaxis=style.axis(title), yaxis=style.axis("standard deviation [N]", rangemode="tozero")
+    )
+    return style.fit_legend(figure)
+
+
+def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
+    """Yield name, figure and caption of the figures that suit the axes of a study."""
+    if not groups(table, table.names[0]):
+        return
+    for dimension in table.dimensions:
+        if dimension.size < 2:
+            continue
+        is_repeated = dimension.name == SAMPLE or any(a.path == SEED for a in dimension.axes)
+        if is_repeated and len(groups(table, dimension.name)) <= MOST_BOXES:
+            text = "Spread of the standard deviation of the contact force over the "
+            yield (
+                f"spread-{dimension.name}",
+                box_figure(table, dimension.name),
+                text + "repetitions",
+            )
+        for axis in dimension.axes:
+            yield from _axis_figures(table, axis, dimension)
+
+
+def _axis_figures(
+    table: StudyTable, axis: AxisValues, dimension: Dimension
+) -> Iterator[tuple[str, go.Figure, str]]:
+    if axis.path == SEED:
+        return
+    words = axis.name.replace("_", " ")
+    if not axis.is_numeric or axis.path == MESH:
+        text = f"Standard deviation of the contact force by band and {words}"
+        if math.prod(d.size for d in table.dimensions if d is not dimension) > 1:
+            text += ", mean over all other axes"
+        yield f"bands-{axis.name}", band_figure(table, axis, dimension.name), text
+    if dimension.name == SAMPLE and axis.is_numeric:
+        text = f"Standard deviation of the contact force of every sample over {words}"
+        yield f"samples-{axis.name}", scatter_figure(table, axis, dimension.name), text
+    elif axis.is_numeric:
+        text = f"Standard deviation of the contact force over {words}"
+        yield f"over-{axis.name}", deviation_figure(table, axis, dimension.name), text
+
+
+def cutoff_text(cutoff: str) -> str:
+    """Return a band of the curves in words."""
+    return "0 to the advised cut-off" if cutoff == "advised" else band_text(cutoff)

@@ -1,0 +1,185 @@
+"""The report: one self-contained HTML page that needs no network."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from tautwire.errors import InputError
+from tautwire.report.parts import sections
+from tautwire.report.parts.blocks import Animation, Section
+from tautwire.report.parts.conditions import conditions_section
+from tautwire.report.parts.losses import loss_section
+from tautwire.report.parts.summary import run_checks, summary_section
+from tautwire.report.parts.views import RunView, labels_of, prepare
+from tautwire.report.parts.words import listing, speed
+from tautwire.results.equilibrium import Elasticity
+from tautwire.results.files import write_text
+from tautwire.results.run import Run
+
+
+def write_report(
+    runs: Run | Sequence[Run],
+    path: str | os.PathLike[str],
+    elasticity: Elasticity | Sequence[Elasticity | None] | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    title: str | None = None,
+    system: str = "ac",
+    free_uplift: float | None = None,
+) -> Path:
+    """Write the report of one run, or of several runs overlaid, as a single HTML file.
+
+    The page holds its scripts and data, asks no other machine for anything and forbids the
+    browser to do so. It is written completely or not at all.
+
+    Parameters
+    ----------
+    runs : Run or sequence of Run
+        Also partial ones.
+    path : str or path
+        File to write.
+    elasticity : Elasticity or sequence of Elasticity or None, optional
+        For the runs in their order; a single one belongs to the first.
+    labels : sequence of str, optional
+        Names of the runs in legends; by default case name and what tells them apart.
+    title : str, optional
+        Heading of the page; by default the title of the case.
+    system : {"ac", "dc-1.5kv", "dc-3kv"}
+        Supply system, which decides which limits apply.
+    free_uplift : float m, optional
+        Free space for uplift at the supports, to check against.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        When there is no run, labels or elasticities do not match, or the file cannot be written.
+
+    Examples
+    --------
+    >>> write_report(run, "run.html")  # doctest: +SKIP
+    """
+    every = [runs] if isinstance(runs, Run) else list(runs)
+    if not every:
+        raise InputError("a report needs at least one run")
+    given = _matched(elasticity, len(every))
+    views = [
+        prepare(run, label, data)
+        for run, label, data in zip(every, labels_of(every, labels), given, strict=True)
+    ]
+    found = [run_checks(view, system, free_uplift) for view in views]
+    contents = [
+        summary_section(views, found),
+        sections.line_section(views),
+        sections.force_section(views),
+        loss_section(views),
+        sections.spectrum_section(views),
+        sections.uplift_section(views),
+        sections.dropper_section(views),
+        sections.elasticity_section(views),
+        conditions_section(views),
+        sections.animation_section(views),
+    ]
+    return write_text(path, render(contents, _masthead(views, title)))
+
+
+def _matched(
+    elasticity: Elasticity | Sequence[Elasticity | None] | None, runs: int
+) -> list[Elasticity | None]:
+    """Return one elasticity or None per run."""
+    given = [elasticity] if isinstance(elasticity, Elasticity) else list(elasticity or ())
+    if len(given) > runs:
+        raise InputError(f"{len(given)} elasticities were given for {runs} runs")
+    return given + [None] * (runs - len(given))
+
+
+def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
+    """Return heading, description and key facts of the page."""
+    first = views[0].run.case
+    own_title = first.title or first.name
+    many = len(views) > 1
+    speeds = list(dict.fromkeys(speed(view.run.case.scenario.speed) for view in views))
+    names = list(dict.fromkeys(force.name for view in views for force in view.forces))
+    line, section = first.line, views[0].statistics.section
+    facts = {
+        "Speed": listing(speeds),
+        "Line": f"{line.spans} spans, {line.length():g} m",
+        "Analysed section": f"spans {section.first_span} to {section.last_span}",
+        "Pantographs": listing(names),
+        "Contact stiffness": listing(
+            list(
+                dict.fromkeys(
+                    f"{1e-3 * view.run.case.settings.contact_stiffness:g} kN/m" for view in views
+                )
+            )
+        ),
+        "Status": listing(list(dict.fromkeys(view.run.status for view in views))),
+        "Computed": str(views[0].run.provenance.get("created", ""))[:10] or "–",
+    }
+    common = len({view.run.case.name for view in views}) == 1
+    heading = f"{own_title if common else 'Runs compared'}: {listing([v.label for v in views])}"
+    return {
+        "title": title or (heading if many else own_title),
+        "description": "" if many else first.description.strip(),
+        "facts": facts,
+        "version": str(views[0].run.provenance.get("version", "")),
+        "case_hash": first.hash()[:12],
+    }
+
+
+def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
+    """Return a whole page: the template with its scripts, filled.
+
+    Parameters
+    ----------
+    contents : sequence of Section
+    masthead : dict
+        Heading, description and key facts.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from plotly.offline import get_plotlyjs
+
+    environment = Environment(
+        loader=PackageLoader("tautwire.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    folder = files("tautwire.report").joinpath("templates")
+    own = {
+        name: folder.joinpath(name).read_text(encoding="utf-8")
+        for name in ("style.css", "figures.js", "animation.js")
+    }
+    moving = any(isinstance(block, Animation) for part in contents for block in part.blocks)
+    return environment.get_template("page.html.j2").render(
+        sections=contents,
+        style=own["style.css"],
+        figures_script=own["figures.js"],
+        animation_script=own["animation.js"] if moving else "",
+        figure_number=count(1).__next__,
+        plotly_script=without_addresses(get_plotlyjs()),
+        **masthead,
+    )
+
+
+def without_addresses(script: str) -> str:
+    """Empty the web addresses in the strings of a script.
+
+    The chart library carries addresses of map servers and services that no chart of the report
+    uses. The page's security policy forbids to reach them; with the addresses gone, nothing on
+    the page refers to another machine. Names of XML vocabularies, which are not addresses to be
+    reached, and licence texts in comments stay.
+    """
+    quoted = re.sub(r"(?<=[\"'`])https?://(?!www\.w3\.org/)", "offline:", script)
+    return quoted.replace("</script", "<\\/script")

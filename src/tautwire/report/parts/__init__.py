@@ -1,0 +1,1 @@
+"""Sections of pages and what they are built from."""

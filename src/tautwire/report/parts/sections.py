@@ -1,0 +1,345 @@
+"""Sections of the line, force, spectrum, uplift, droppers, elasticity and animation."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tautwire.report.figures import animation, force_figures, line_figures
+from tautwire.report.figures.loss_figures import irregularity_figure
+from tautwire.report.parts import published
+from tautwire.report.parts.blocks import (
+    Animation,
+    Button,
+    Chart,
+    Details,
+    Pair,
+    Section,
+    Table,
+    Text,
+)
+from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
+from tautwire.report.parts.words import listing, number, quantity
+from tautwire.results.equilibrium import Equilibrium
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+MOST_ROWS = 400
+"""Longest table of the page."""
+
+
+def script_safe(text: str) -> str:
+    """Return JSON that cannot end the script element it stands in."""
+    return text.replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+def chart(
+    name: str,
+    figure: go.Figure,
+    caption: str,
+    summary: str,
+    buttons: tuple[Button, ...] = (),
+) -> Chart:
+    """Turn a figure into a block of the page."""
+    content = str(figure.to_json())
+    layout: Any = figure.layout
+    return Chart(name, script_safe(content), caption, summary, int(layout.height or 400), buttons)
+
+
+def line_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the static line of the first run."""
+    view = views[0]
+    shape = view.run.equilibrium
+    which = f" Shown: {view.label}." if len(views) > 1 else ""
+    exaggerated = "Heights and lateral positions are drawn larger than lengths along the track."
+    blocks: list[object] = [
+        chart(
+            "line",
+            line_figures.line_figure(view),
+            "Static line: side view; sag of the contact wire below the straight line between its "
+            f"supports (pre-sag at the droppers); plan view with stagger. {exaggerated}{which}",
+            "Side view, sag and plan view of the static line with droppers and steady arms.",
+            position_buttons(view),
+        ),
+        Details("Droppers: lengths, forces, heights", (dropper_table(shape),)),
+    ]
+    if shape.arm_supports.size:
+        blocks.append(Details("Steady arms: forces and inclination", (_arm_table(shape),)))
+    blocks += _irregularity_blocks(views)
+    blocks.append(
+        Text(
+            f"Weight of the line {quantity(shape.weight, 'N', 2)}, sum of the vertical support "
+            f"reactions {quantity(shape.reaction, 'N', 2)}; {shape.iterations} Newton "
+            f"iterations, largest out-of-balance force {shape.residual:.1e} N.",
+            "note",
+        )
+    )
+    return Section("line", "The line", tuple(blocks))
+
+
+def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
+    """Show what was drawn for the first run that has irregularities."""
+    view = next((view for view in views if view.run.irregularities is not None), None)
+    if view is None or view.run.irregularities is None:
+        return []
+    which = f" Shown: {view.label}." if len(views) > 1 else ""
+    return [
+        chart(
+            "irregularities",
+            irregularity_figure(view, view.run.irregularities),
+            "Irregularities as drawn, seed "
+            f"{view.run.irregularities.seed}: errors of installation change the static shape, "
+            f"unevenness of the running surface acts between wire and head.{which}",
+            "Depth of the running surface, its unevenness and errors of installation.",
+            position_buttons(view),
+        )
+    ]
+
+
+def position_buttons(view: RunView) -> tuple[Button, ...]:
+    """Return buttons for the section, the whole line and two spans of its middle."""
+    x, part = view.run.equilibrium.support_x, view.statistics.section
+    middle = (part.first_span + part.last_span) // 2
+    ends = (float(x[0]), float(x[-1]))
+    two = (float(x[middle - 1]), float(x[min(middle + 1, x.size - 1)]))
+    ranges = {"analysed section": view.section, "whole line": ends, "two spans": two}
+    buttons = []
+    for label, (low, high) in ranges.items():
+        margin = 0.02 * (high - low)
+        buttons.append(Button(label, low - margin, high + margin))
+    return tuple(buttons)
+
+
+def dropper_table(shape: Equilibrium) -> Table:
+    """List the droppers of the static line."""
+    rows = zip(
+        shape.dropper_span,
+        shape.dropper_number,
+        shape.dropper_x,
+        shape.dropper_lengths_unstrained,
+        shape.dropper_lengths,
+        shape.dropper_forces,
+        shape.dropper_heights,
+        strict=True,
+    )
+    texts = [
+        (str(s), str(n), *(number(v, d) for v, d in zip(values, (3, 4, 4, 1, 4), strict=True)))
+        for s, n, *values in rows
+    ]
+    return Table(
+        caption="Droppers, clamp to clamp."
+        + (f" The first {MOST_ROWS} of {len(texts)}." if len(texts) > MOST_ROWS else ""),
+        head=("span", "dropper", "position [m]", "unstrained length [m]", "stretched length [m]",
+              "force [N]", "height of the contact wire [m]"),
+        align="rrrrrrr",
+        rows=tuple(texts[:MOST_ROWS]),
+    )  # fmt: skip
+
+
+def _arm_table(shape: Equilibrium) -> Table:
+    rows = [
+        (str(support), number(force, 1), number(np.degrees(angle), 2))
+        for support, force, angle in zip(
+            shape.arm_supports, shape.arm_forces, shape.arm_angles, strict=True
+        )
+    ]
+    return Table(
+        "Steady arms; tension is positive, the angle when the far end is above the wire.",
+        ("support", "force [N]", "angle [°]"),
+        "rrr",
+        tuple(rows[:MOST_ROWS]),
+    )
+
+
+def filters_caption(views: Sequence[RunView]) -> str:
+    """Name the filters of the force curves with every number."""
+    low = list(dict.fromkeys(view.lowpass.describe() for view in views))
+    return (
+        f"Filters: {'; '.join(low)}; the same with a cut-off of {WIDE_CUTOFF:g} Hz. The whole "
+        "record is filtered, then cut."
+    )
+
+
+def window_caption(views: Sequence[RunView]) -> str:
+    """Name the analysed section."""
+    parts = list(dict.fromkeys((v.statistics.section.first_span, v.statistics.section.last_span)
+                               for v in views))  # fmt: skip
+    return f"Analysed section: {listing([f'spans {a} to {b}' for a, b in parts])}."
+
+
+def force_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the force over position, its distribution, the spans one by one."""
+    filters, window = filters_caption(views), window_caption(views)
+    shaded = "shaded" if len({view.section for view in views}) == 1 else "shaded for the first run"
+    low = "; ".join(dict.fromkeys(view.lowpass.describe() for view in views))
+    hidden = (
+        "" if len(series(views)) == 1 else " Unfiltered and 200 Hz curves: click in the legend."
+    )
+    blocks: list[object] = [
+        chart(
+            "force",
+            force_figures.force_figure(views),
+            f"Contact force over position. Numbered lines are supports, ticks below are droppers; "
+            f"the analysed section is {shaded}. {window} {filters}{hidden}",
+            "Curves of the contact force over position.",
+            position_buttons(views[0]),
+        ),
+        Pair(
+            chart(
+                "spans",
+                force_figures.spans_figure(views),
+                f"Contact force per span: mean, standard deviation, extremes. Filter: {low}.",
+                "Mean, standard deviation and extremes of the force in each span.",
+            ),
+            chart(
+                "histogram",
+                force_figures.histogram_figure(views),
+                f"Distribution of the contact force, classes of 10 N. {window} Filter: {low}.",
+                "Share of time per class of contact force beside a normal distribution.",
+            ),
+        ),
+    ]
+    return Section("force", "Contact force", tuple(blocks))
+
+
+def spectrum_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the spectrum."""
+    highest = force_figures.HIGHEST
+    buttons = tuple(Button(f"0–{f:g} Hz", 0.0, f) for f in (20.0, 50.0, 100.0, highest))
+    speeds = {view.run.case.scenario.speed for view in views}
+    passing = (
+        " Dotted lines: frequencies at which spans, droppers and the distance from a support to "
+        "its first dropper are passed, and halves of these lengths."
+        if len(speeds) == 1
+        else " The runs have different speeds; passing frequencies are not marked."
+    )
+    block = chart(
+        "spectrum",
+        force_figures.spectrum_figure(views),
+        f"Amplitude spectrum of the unfiltered contact force, Hann window over the section. "
+        f"{window_caption(views)}{passing} Lines that are multiples of speed over element length "
+        "are numerical.",
+        "Amplitude of the contact force over frequency, logarithmic.",
+        buttons,
+    )
+    return Section("spectrum", "Spectrum", (block,))
+
+
+def uplift_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the uplift at supports and height of the contact point."""
+    blocks = (
+        Pair(
+            chart(
+                "uplift",
+                line_figures.uplift_figure(views),
+                "Largest uplift of the contact wire at the supports, from the static state, "
+                f"unfiltered. {window_caption(views)} Supports outside it are pale: the ends of "
+                "the line act on them.",
+                "Bars of the largest uplift at each support.",
+            ),
+            chart(
+                "uplift-history",
+                line_figures.uplift_history_figure(views),
+                "Uplift over time at the support of the section where it is largest, unfiltered.",
+                "Curve of the uplift at one support over time.",
+            ),
+        ),
+        chart(
+            "height",
+            line_figures.height_figure(views),
+            "Height of the contact wire at the pantograph, unfiltered, beside its static height.",
+            "Curves of the contact-wire height at the pantograph over position.",
+            position_buttons(views[0]),
+        ),
+    )
+    return Section("uplift", "Uplift", blocks)
+
+
+def dropper_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the dropper forces and slack time."""
+    if not views[0].run.equilibrium.dropper_x.size:
+        return Section("droppers", "Droppers", (Text("The line has no droppers."),))
+    blocks: list[object] = [
+        chart(
+            "droppers",
+            line_figures.dropper_figure(views),
+            "Droppers of the analysed section while a pantograph is in it or within half a span: "
+            "range of the force and static force (dash), unfiltered; below, how long they are "
+            "slack.",
+            "Bars of the force range and of the slack time of each dropper.",
+            position_buttons(views[0]),
+        )
+    ]
+    for view in views:
+        data = view.statistics.droppers
+        if not data.span.size or not np.isfinite(data.maximum).any():
+            continue
+        worst, loaded = int(np.argmax(data.slack_time)), int(np.nanargmax(data.maximum))
+        slack = int((data.slack_time > 0).sum())
+        prefix = f"{view.label}: " if len(views) > 1 else ""
+        text = (
+            f"{prefix}{slack} of {data.span.size} droppers go slack; the longest time is "
+            f"{quantity(1e3 * data.slack_time[worst], 'ms', 0)} (dropper {data.number[worst]} of "
+            f"span {data.span[worst]}). The largest force is "
+            f"{quantity(data.maximum[loaded], 'N', 0)} (dropper {data.number[loaded]} of span "
+            f"{data.span[loaded]})."
+        )
+        blocks.append(Text(text))
+    return Section("droppers", "Dropper forces", tuple(blocks))
+
+
+def elasticity_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the elasticity."""
+    given = [(view.label, view.elasticity) for view in views if view.elasticity is not None]
+    if not given:
+        text = "The elasticity was not computed with this run; “tautwire static” computes it."
+        return Section("elasticity", "Elasticity", (Text(text),))
+    forces = list(dict.fromkeys(f"{data.force:g} N" for _, data in given))
+    uneven = listing(
+        [
+            f"{label + ': ' if len(given) > 1 else ''}{number(100 * data.nonuniformity)} %"
+            for label, data in given
+        ]
+    )
+    case = views[0].run.case
+    block = chart(
+        "elasticity",
+        line_figures.elasticity_figure(given, views[0].run),
+        f"Static uplift per vertical force, under {listing(forces)}, at supports (squares), "
+        f"droppers (circles) and between (crosses). Non-uniformity (max − min)/(max + min): "
+        f"{uneven}. Ends {case.line.ends.left}/{case.line.ends.right}, closure "
+        f"{case.supports.closure}, messenger wire along the track "
+        f"{case.supports.messenger_longitudinal}.",
+        "Curve of the elasticity over position.",
+    )
+    compared = [b for v in views for b in published.elasticity_blocks(v, named=len(views) > 1)]
+    return Section("elasticity", "Elasticity", (block, *compared))
+
+
+def animation_section(views: Sequence[RunView]) -> Section:
+    """Write the section of the animation."""
+    usable = animation.filmed(views)
+    if not usable:
+        text = Text("There is nothing to show: no pantograph moved under the line.")
+        return Section("animation", "Animation", (text,))
+    first = usable[0]
+    length = animation.visible_length(first)
+    block = Animation(
+        json=script_safe(json.dumps(animation.films(views), allow_nan=False)),
+        films=tuple(view.label for view in usable),
+        caption="The passage: wires (dashed: the static contact wire), droppers (slack ones "
+        "bowed, dashed and orange) and head of the pantograph, heights exaggerated by the factor "
+        "shown; below, the contact force at the "
+        "same position, unfiltered (thin) and low-passed (thick). The analysed section is shaded. "
+        "Filter: "
+        + "; ".join(dict.fromkeys(view.lowpass.describe() for view in usable))
+        + ". Frame and knee of the pantograph are a symbol. Keys: space plays, arrows step.",
+        summary="Animation of the pantograph running under the line, with the contact force.",
+        exaggeration=animation.exaggeration(first, length),
+        length=round(length),
+    )
+    return Section("animation", "Animation", (block,))

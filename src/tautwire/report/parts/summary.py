@@ -1,0 +1,284 @@
+"""First section: the result in words, key numbers, statistics, limits and published results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from tautwire.assessment.checks import Check, checks
+from tautwire.report.figures.line_figures import highest_support
+from tautwire.report.parts import published
+from tautwire.report.parts.blocks import (
+    Callout,
+    Cell,
+    Columns,
+    Heading,
+    Key,
+    Keys,
+    Section,
+    Table,
+    Text,
+    Verdict,
+)
+from tautwire.report.parts.views import RunView, Series, series
+from tautwire.report.parts.words import (
+    MISSING,
+    band,
+    counted,
+    listing,
+    number,
+    quantity,
+    readable,
+    speed,
+)
+from tautwire.results.statistics import PantographStatistics
+
+BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
+
+
+def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> Section:
+    """Write the first section.
+
+    Parameters
+    ----------
+    views : sequence of RunView
+    found : sequence of sequences of Check
+        Checks of each run.
+    """
+    shown = series(views)
+    blocks: list[object] = []
+    cautions = tuple(line for view in views for line in _cautions(view, many=len(views) > 1))
+    blocks += [Callout(cautions)] if cautions else []
+    blocks += [Text(_statement(view, many=len(views) > 1), "statement") for view in views]
+    if len(shown) == 1 and math.isfinite(statistics_of(shown[0]).headline.mean):
+        blocks.append(_keys(views[0]))
+    tables = (_force_table(shown), _passage_table(shown))
+    blocks += [Columns(tables)] if len(shown) == 1 else tables
+    blocks += [Text(_filter_statement(shown), "note"), Heading("Limits")]
+    blocks.append(Text(_verdict_statement(found), "plain"))
+    blocks.append(_check_table(views, found))
+    compared = [b for v in views for b in published.force_blocks(v, named=len(views) > 1)]
+    blocks += [Heading("Published results"), *compared] if compared else []
+    return Section("summary", "Summary", tuple(blocks))
+
+
+def run_checks(view: RunView, system: str, free_uplift: float | None) -> tuple[Check, ...]:
+    """Check a run against the limits of the package."""
+    return checks(view.statistics, view.run.case, system=system, free_uplift=free_uplift)
+
+
+def statistics_of(item: Series) -> PantographStatistics:
+    """Return the statistics of a series."""
+    return item.view.statistics.pantographs[item.view.forces.index(item.force)]
+
+
+def _cautions(view: RunView, *, many: bool) -> tuple[str, ...]:
+    """Say what limits the use of a run: its status, notes and warnings."""
+    run, prefix = view.run, f"{view.label}: " if many else ""
+    lines = []
+    if run.status != "done":
+        meaning = {
+            "partial": "The run is partial; what was computed up to then is valid.",
+            "failed": "The run failed; its numbers must not be used.",
+        }.get(run.status, f"The status of the run is {run.status!r}.")
+        lines.append(f"{prefix}{meaning} {run.message}".strip())
+    lines += [f"{prefix}{note[:1].upper()}{note[1:]}." for note in view.statistics.notes]
+    lines += [f"{prefix}Warning: {warning}" for warning in run.warnings]
+    return tuple(lines)
+
+
+def _statement(view: RunView, *, many: bool) -> str:
+    """Tell the result of a run in a few sentences."""
+    part = view.statistics.section
+    spans = f"spans {part.first_span} to {part.last_span}"
+    subject = f"{view.label}: at" if many else "At"
+    start = f"{subject} {speed(view.run.case.scenario.speed)}, over {spans}, "
+    sentences = [_force_sentence(entry) for entry in view.statistics.pantographs]
+    uplift, support = view.statistics.uplift.maximum, highest_support(view)
+    text = start + "; ".join(sentences) + "."
+    if support is not None:
+        text += (
+            f" At the supports the contact wire rises by at most {quantity(1e3 * uplift, 'mm')} "
+            f"(support {support})."
+        )
+    return text
+
+
+def _force_sentence(entry: PantographStatistics) -> str:
+    values, loss = entry.headline, entry.contact_loss
+    if not math.isfinite(values.mean):
+        return f"pantograph {entry.name} was never in the analysed section"
+    share = values.standard_deviation / values.mean if values.mean else math.nan
+    text = (
+        f"pantograph {entry.name} presses on the contact wire with a mean of "
+        f"{quantity(values.mean, 'N')} and a standard deviation of "
+        f"{quantity(values.standard_deviation, 'N')} ({number(100 * share, 0)} % of the mean), "
+        f"between {quantity(values.minimum, 'N', 0)} and {quantity(values.maximum, 'N', 0)} "
+        f"({band(f'0_{values.cutoff:g}')}, {_short(values.kind)} filter)"
+    )
+    if not loss.count:
+        return f"{text}, and never loses contact"
+    return (
+        f"{text}; it loses contact {counted(loss.count, 'time')}, at most for "
+        f"{quantity(1e3 * loss.longest, 'ms')}"
+    )
+
+
+def _short(kind: str) -> str:
+    return {"sharp": "sharp", "butterworth": "Butterworth"}.get(kind, kind)
+
+
+def _keys(view: RunView) -> Keys:
+    entry = view.statistics.pantographs[0]
+    values, loss = entry.headline, entry.contact_loss
+    share = 100 * values.standard_deviation / values.mean if values.mean else math.nan
+    low = band(f"0_{values.cutoff:g}")
+    return Keys(
+        (
+            Key(number(values.mean), "N", "mean contact force"),
+            Key(number(values.standard_deviation), "N", f"standard deviation σ, {low}"),
+            Key(number(share), "%", "σ as a share of the mean"),
+            Key(number(values.maximum), "N", f"largest force, {low}"),
+            Key(number(values.minimum), "N", f"smallest force, {low}"),
+            Key(number(1e3 * view.statistics.uplift.maximum), "mm", "largest uplift at a support"),
+            Key(number(loss.percent, 2), "%", f"contact loss, {counted(loss.count, 'event')}"),
+        )
+    )
+
+
+def _force_table(shown: Sequence[Series]) -> Table:
+    """Put the statistics of every series side by side, one column per filter."""
+    entries = [(item, statistics_of(item)) for item in shown]
+    columns = [(item, kind, e.filtered[kind]) for item, e in entries for kind in e.filtered]
+    rows: list[tuple[Cell, ...]] = [("mean", *(number(c.mean, 2) for _, _, c in columns))]
+    for name in BANDS:
+        cells = [number(c.standard_deviations.get(name), 2) for _, _, c in columns]
+        rows.append((f"σ, {band(name)}", *cells))
+    for title, name in (
+        ("largest", "maximum"),
+        ("smallest", "minimum"),
+        ("mean + 3 σ", "statistical_maximum"),
+        ("mean − 3 σ", "statistical_minimum"),
+    ):
+        rows.append((title, *(number(getattr(c, name), 2) for _, _, c in columns)))
+    groups = [(item.label, len(entry.filtered)) for item, entry in entries if item.label]
+    return Table(
+        caption="Contact force over the analysed section [N]",
+        head=("", *(_short(kind) for _, kind, _ in columns)),
+        align="l" + "r" * len(columns),
+        rows=tuple(rows),
+        groups=(("", 1), *groups) if groups else (),
+    )
+
+
+def _filter_statement(shown: Sequence[Series]) -> str:
+    """Name the filters of the table with every number, and the other conventions."""
+    parts = [part for item in shown for part in statistics_of(item).filtered.values()]
+    filters = {part.kind: part.description for part in parts}
+    return (
+        f"Filters: {'; '.join(filters.values())}. Standard deviations divide by the number of "
+        "samples; mean and extremes are those of the force up to 20 Hz. Contact loss is read from "
+        "the unfiltered gap between wire and head, its ends interpolated between samples."
+    )
+
+
+def _passage_table(shown: Sequence[Series]) -> Table:
+    """Put uplift force, contact loss, uplift and contact height of every series side by side."""
+    entries = [(item, statistics_of(item)) for item in shown]
+    target = [quantity(e.target_mean, "N", 2) for _, e in entries]
+    rows: list[tuple[Cell, ...]] = [
+        ("uplift force", *(quantity(e.uplift_force, "N", 2) for _, e in entries)),
+        ("tuned to a mean of", *(t if t != number(None) else "not tuned" for t in target)),
+        ("contact losses", *(_if_seen(e, str(e.contact_loss.count)) for _, e in entries)),
+        ("share of time", *(quantity(e.contact_loss.percent, "%", 3) for _, e in entries)),
+        ("longest loss", *(
+            _if_seen(e, quantity(1e3 * e.contact_loss.longest, "ms", 2)) for _, e in entries)),
+        ("share, 5 ms or more", *(
+            quantity(e.contact_loss.percent_over(), "%", 3) for _, e in entries)),
+        ("largest uplift at a support", *(
+            quantity(1e3 * i.view.statistics.uplift.maximum, "mm") for i, _ in entries)),
+        ("range of contact height", *(
+            quantity(1e3 * e.contact_height_range, "mm") for _, e in entries)),
+    ]  # fmt: skip
+    heads = [item.label or entry.name for item, entry in entries]
+    return Table(
+        caption="Passage over the analysed section",
+        head=("", *heads),
+        align="l" + "r" * len(heads),
+        rows=tuple(rows),
+    )
+
+
+def _if_seen(entry: PantographStatistics, text: str) -> str:
+    """Return the text, or a dash for a pantograph that never was in the section."""
+    return text if entry.contact_loss.observed > 0.0 else MISSING
+
+
+def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
+    """Say what the checks prove, and what they do not."""
+    every = [check for row in found for check in row]
+    if not every:
+        return "No limit applies to this speed and supply system."
+    unverified = [check for check in every if not check.verified]
+    failed = [check.name for check in every if check.passed is False]
+    outside = list(dict.fromkeys(c.name for c in unverified if c.within is False))
+    parts = []
+    if failed:
+        parts.append(f"Not passed: {listing(list(dict.fromkeys(failed)))}.")
+    if len(unverified) == len(every):
+        parts.append(
+            "None of the limits below has been compared with the text of its standard, so no "
+            "verdict is given."
+        )
+    elif unverified:
+        parts.append(
+            f"Of {len(every)} limits, {len(unverified)} could not be compared with the text of "
+            "the standard; there no verdict is given."
+        )
+    if any(check.within is not None for check in unverified):
+        parts.append(
+            f"As remembered, outside: {listing(outside)}."
+            if outside
+            else "As remembered, every value lies within."
+        )
+    return " ".join(parts) or "Every value lies within its limit."
+
+
+def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> Table:
+    many = len(views) > 1
+    rows = []
+    for view, row in zip(views, found, strict=True):
+        for check in row:
+            who = [view.label] if many else []
+            who += [check.pantograph] if check.pantograph and len(view.forces) > 1 else []
+            sign = "≤" if check.sense == "maximum" else "≥"
+            rows.append(
+                (
+                    ", ".join([check.name, *who]),
+                    readable(check.value, check.unit),
+                    f"{sign} {readable(check.limit, check.unit)}",
+                    _standard(check),
+                    check.confidence,
+                    _within(check),
+                    Verdict(check.verdict, check.verdict.replace("no value", "unverified")),
+                )
+            )
+    return Table(
+        caption="Limits. A limit that nobody has compared with the standard's text is "
+        "“unverified”, whether the value lies within it or not. Forces are those of the headline "
+        "filter.",
+        head=("criterion", "value", "limit", "standard", "known from", "as remembered", "verdict"),
+        align="lrrllll",
+        rows=tuple(rows),
+    )
+
+
+def _standard(check: Check) -> str:
+    edition = f"{check.standard}:{check.edition}" if check.edition else check.standard
+    return f"{edition}, {check.clause}" if check.clause else edition
+
+
+def _within(check: Check) -> str:
+    if check.within is None:
+        return number(None)
+    return "within" if check.within else "outside"

@@ -1,0 +1,121 @@
+"""Tables for spreadsheets: CSV with a unit in every heading."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from tautwire.report.parts.views import WIDE_CUTOFF, filtered_or_none, headline_filter
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.files import write_text
+from tautwire.results.run import Run
+
+
+def dropper_table_csv(equilibrium: Equilibrium) -> str:
+    """Return the dropper table of a static line as CSV, one row per dropper.
+
+    Parameters
+    ----------
+    equilibrium : Equilibrium
+
+    Returns
+    -------
+    str
+        Columns: span and dropper (from 1), position, unstrained and stretched length, force,
+        height of the contact wire.
+    """
+    head = (
+        "span",
+        "dropper",
+        "position [m]",
+        "unstrained length [m]",
+        "stretched length [m]",
+        "force [N]",
+        "contact wire height [m]",
+    )
+    rows = zip(
+        equilibrium.dropper_span.tolist(),
+        equilibrium.dropper_number.tolist(),
+        *(
+            _texts(values, digits)
+            for values, digits in (
+                (equilibrium.dropper_x, 4),
+                (equilibrium.dropper_lengths_unstrained, 6),
+                (equilibrium.dropper_lengths, 6),
+                (equilibrium.dropper_forces, 4),
+                (equilibrium.dropper_heights, 6),
+            )
+        ),
+        strict=True,
+    )
+    return _csv(head, rows)
+
+
+def force_history_csv(run: Run, pantograph: str | None = None) -> str:
+    """Return the contact force of one pantograph over time and position as CSV.
+
+    Parameters
+    ----------
+    run : Run
+    pantograph : str, optional
+        Name; by default the leading one.
+
+    Returns
+    -------
+    str
+        Columns: time, position, unfiltered force, and the force low-passed at the headline
+        cut-off and at 200 Hz, where the record is sampled fast enough; the heading names filter
+        and cut-off.
+
+    Raises
+    ------
+    InputError
+        When no pantograph has that name.
+    """
+    from tautwire.analyses.force.statistics import uniform_force
+
+    force = uniform_force(run, pantograph or run.pantographs[0].name)
+    head = ["time [s]", "position [m]", "force [N]"]
+    columns = [
+        _texts(force.time, 6),
+        _texts(force.position, 5),
+        _texts(force.force, 4),
+    ]
+    if force.time.size > 1:
+        lowpass = headline_filter(run)
+        for cutoff in (lowpass.cutoff, WIDE_CUTOFF):
+            values = filtered_or_none(lowpass.with_cutoff(cutoff), force.force, force.time_step)
+            if values is not None:
+                head.append(f"force, {lowpass.kind} low-pass {cutoff:g} Hz [N]")
+                columns.append(_texts(values, 4))
+    return _csv(head, zip(*columns, strict=True))
+
+
+def write_dropper_table(equilibrium: Equilibrium, path: str | os.PathLike[str]) -> Path:
+    """Write :func:`dropper_table_csv` to a file, completely or not at all."""
+    return write_text(path, dropper_table_csv(equilibrium))
+
+
+def write_force_history(
+    run: Run, path: str | os.PathLike[str], pantograph: str | None = None
+) -> Path:
+    """Write :func:`force_history_csv` to a file, completely or not at all."""
+    return write_text(path, force_history_csv(run, pantograph))
+
+
+def _texts(values: np.ndarray, digits: int) -> list[str]:
+    """Return numbers with a fixed count of decimals; not-a-number becomes an empty cell."""
+    return [f"{value:.{digits}f}" if np.isfinite(value) else "" for value in values.tolist()]
+
+
+def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    return out.getvalue()

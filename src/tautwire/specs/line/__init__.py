@@ -1,0 +1,1 @@
+"""The line: wires, supports, droppers and their irregularities."""

@@ -1,0 +1,220 @@
+"""One case of a study: computed, measured, and made into a row of plain numbers.
+
+A row holds SI numbers only, so it can be written as JSON and sent between machines.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.specs.case import Case
+from tautwire.version import __version__
+
+DONE, FAILED = "done", "failed"
+
+STANDARD_TASK = "tautwire.studies.execution.task:simulate_case"
+"""Where the function that computes a case is found."""
+
+Values = dict[str, Any]
+Task = Callable[[Case, bool], tuple[Values, bytes | None]]
+"""Returns the numbers of a case, and its run as the bytes of a netCDF file when asked for."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A case to compute, as plain data.
+
+    Attributes
+    ----------
+    key : str
+        What identifies the result.
+    case : mapping
+        The case.
+    task : str
+        ``module:function`` of type :data:`Task`.
+    keep_runs : bool
+        Whether the histories are kept.
+    """
+
+    key: str
+    case: Mapping[str, Any]
+    task: str = STANDARD_TASK
+    keep_runs: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a computed case gives.
+
+    Attributes
+    ----------
+    row : dict
+        ``status``, ``reason``, ``kind`` of a failure, ``values`` and ``cost``.
+    run_file : bytes or None
+        The run as a netCDF file.
+    """
+
+    row: dict[str, Any]
+    run_file: bytes | None = None
+
+
+def perform(job: Job) -> Outcome:
+    """Compute a case; whatever goes wrong in it becomes a row with its reason.
+
+    Raises
+    ------
+    OSError
+        When the trouble is not the case but the machine, such as a full disk.
+    """
+    cpu, wall = time.process_time(), time.perf_counter()
+    values: Values = {}
+    run_file, kind, reason = None, "", ""
+    try:
+        compute = find_task(job.task)
+        values, run_file = compute(Case.model_validate(dict(job.case)), job.keep_runs)
+    except (ConvergenceError, ModelError, InputError) as error:
+        kind, reason = type(error).__name__, str(error)
+    except OSError:
+        raise
+    except MemoryError:
+        kind, reason = "MemoryError", "there is not enough memory for this case"
+    except Exception as error:  # noqa: BLE001  one bad case must not end a study
+        kind, reason = type(error).__name__, f"{type(error).__name__}: {error}"
+    row = {
+        "status": FAILED if kind else DONE,
+        "kind": kind,
+        "reason": " ".join(reason.split()),
+        "version": __version__,
+        "values": plain(values),
+        "cost": {
+            "cpu_s": time.process_time() - cpu,
+            "wall_s": time.perf_counter() - wall,
+            "peak_memory_mb": peak_memory(),
+        },
+    }
+    return Outcome(row, run_file)
+
+
+def lost_row(reason: str) -> dict[str, Any]:
+    """Return the row of a case that took its worker down."""
+    cost = dict.fromkeys(("cpu_s", "wall_s", "peak_memory_mb"))
+    return {
+        "status": FAILED,
+        "kind": "worker lost",
+        "reason": reason,
+        "version": __version__,
+        "values": {},
+        "cost": cost,
+    }
+
+
+def find_task(name: str) -> Task:
+    """Return the function that a name ``module:function`` stands for."""
+    module, _, function = name.partition(":")
+    return getattr(import_module(module), function)
+
+
+def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  # noqa: FBT001
+    """Simulate the passage, mean force tuned where the case asks for it, and evaluate it."""
+    from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
+    from tautwire.analyses.force.statistics import contact_statistics
+    from tautwire.analyses.road.pipeline import run_case
+    from tautwire.signals.filters import Butterworth, SharpLowpass
+
+    run = run_case(case)
+    statistics = contact_statistics(run)
+    filters = {"sharp": SharpLowpass(), "butterworth": Butterworth(case.settings.filter_order)}
+    pantographs, cutoff = [], advise_cutoff(case).frequency
+    for entry in statistics.pantographs:
+        loss = entry.contact_loss
+        advised = {
+            kind: missed_deviation(run, entry.name, lowpass) for kind, lowpass in filters.items()
+        }
+        pantographs.append(
+            {
+                "name": entry.name,
+                "uplift_force": entry.uplift_force,
+                "contact_height_range": entry.contact_height_range,
+                "loss_count": loss.count,
+                "loss_percent": loss.percent,
+                "loss_longest": loss.longest,
+                "arc_percent": loss.percent_over(),
+                "filters": {
+                    kind: _filtered(entry.filtered[kind], advised[kind].advised) for kind in filters
+                },
+            }
+        )
+    values = {
+        "uplift_max": statistics.uplift.maximum,
+        "dropper_force_max": _largest(statistics.droppers.maximum),
+        "dropper_slack_longest": _largest(statistics.droppers.slack_time),
+        "advised_cutoff": cutoff,
+        "steps": run.counters.get("steps"),
+        "tuning_passes": run.counters.get("tuning_passes", 1),
+        "backend": str(run.counters.get("backend", "")),
+        "pantographs": pantographs,
+    }
+    return values, run_bytes(run) if keep_run else None
+
+
+def run_bytes(run: Any) -> bytes:
+    """Return a run as the bytes of its netCDF file."""
+    from tautwire.results.storage import save_run
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.nc"
+        try:
+            save_run(run, path)
+        except InputError as error:
+            raise OSError(str(error)) from error
+        return path.read_bytes()
+
+
+def plain(value: Any) -> Any:
+    """Return data that JSON knows; numbers that are not finite become None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def peak_memory() -> float | None:
+    """Return the largest memory this process has used [MB]; None where it is not known."""
+    try:
+        import resource
+    except ImportError:  # not POSIX
+        return None
+    import sys
+
+    unit = 1.0 if sys.platform == "darwin" else 1024.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+
+
+def _filtered(part: Any, advised: float) -> Values:
+    bands = {f"std_{band}": value for band, value in part.standard_deviations.items()}
+    return {
+        "mean": part.mean,
+        "maximum": part.maximum,
+        "minimum": part.minimum,
+        "statistical_maximum": part.statistical_maximum,
+        "statistical_minimum": part.statistical_minimum,
+        **bands,
+        "std_advised": advised,
+    }
+
+
+def _largest(values: Any) -> float:
+    return float(values.max()) if len(values) else float("nan")
