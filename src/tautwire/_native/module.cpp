@@ -44,13 +44,14 @@ public:
     Stepper(const nb::dict& line, const nb::dict& scheme);
 
     void add_pantograph(const In<double>& mass, const In<double>& stiffness,
-                        const In<double>& damping, double start_height) {
+                        const In<double>& damping, double start_height, const In<double>& reach) {
         const std::size_t n = mass.size();
-        const PantographData data{static_cast<int>(n), mass.data(),
-                                  checked(stiffness, n * n, "stiffness"),
-                                  checked(damping, n * n, "damping"), start_height};
-        if (n == 0 || !engine_->add_pantograph(data))
-            throw std::invalid_argument("too many pantographs, or one without stages");
+        if (n == 0) throw std::invalid_argument("a pantograph has at least one stage");
+        const double* lateral = checked(reach, 2, "reach");
+        engine_->add_pantograph({static_cast<int>(n), mass.data(),
+                                 checked(stiffness, n * n, "stiffness"),
+                                 checked(damping, n * n, "damping"), start_height,
+                                 {lateral[0], lateral[1]}});
         ++pantographs_;
         stages_ += n;
     }
@@ -59,13 +60,13 @@ public:
     std::tuple<int, int> advance(const nb::dict& known, const nb::dict& histories);
 
     bool start_from(const In<double>& q, const In<double>& v) {
-        return engine_->start_from(checked(q, 12 * stations_, "q"), checked(v, 12 * stations_, "v"));
+        return engine_->start_from(checked(q, 6 * nodes_, "q"), checked(v, 6 * nodes_, "v"));
     }
     void coordinates(const Out<double>& out) const {
-        engine_->coordinates(checked(out, 12 * stations_, "out"));
+        engine_->coordinates(checked(out, 6 * nodes_, "out"));
     }
     void velocities(const Out<double>& out) const {
-        engine_->velocities(checked(out, 12 * stations_, "out"));
+        engine_->velocities(checked(out, 6 * nodes_, "out"));
     }
     std::tuple<double, double, double, double, double> timings() const {
         const Timings t = engine_->timings();
@@ -83,7 +84,7 @@ public:
 
 private:
     std::unique_ptr<Engine> engine_;
-    std::size_t stations_ = 0, droppers_ = 0, pantographs_ = 0, stages_ = 0;
+    std::size_t nodes_ = 0, ties_ = 0, paths_ = 0, pantographs_ = 0, stages_ = 0;
 };
 
 template <class T>
@@ -91,66 +92,87 @@ auto* entry(const nb::dict& arrays, const char* name, std::size_t size) {
     return checked(nb::cast<In<T>>(arrays[name]), size, name);
 }
 
+// Check that an index array holds numbers from 0 to below `count`.
+const std::int64_t* indices(const nb::dict& arrays, const char* name, std::size_t size, int count) {
+    const std::int64_t* values = entry<std::int64_t>(arrays, name, size);
+    for (std::size_t i = 0; i < size; ++i)
+        if (values[i] < 0 || values[i] >= count)
+            throw std::invalid_argument(std::string(name) + " is outside the line");
+    return values;
+}
+
 Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
-    const auto length = [&line](const char* name) { return nb::len(nb::object(line[name])); };
-    stations_ = length("node_mass");
-    droppers_ = length("dropper_station");
-    const std::size_t arms = length("arm_station"), springs = length("spring_dof");
-    const std::size_t cables = 2 * (stations_ - 1), dofs = 12 * stations_;
-    if (stations_ < 2) throw std::invalid_argument("a line has at least two stations");
+    const auto length = [&line](const char* name) {
+        return static_cast<int>(nb::len(nb::object(line[name])));
+    };
     LineData data;
-    data.stations = static_cast<int>(stations_);
-    data.droppers = static_cast<int>(droppers_);
-    data.arms = static_cast<int>(arms);
-    data.springs = static_cast<int>(springs);
-    data.length = entry<double>(line, "length", cables);
-    data.axial_stiffness = entry<double>(line, "axial_stiffness", cables);
-    data.bending_stiffness = entry<double>(line, "bending_stiffness", cables);
-    data.mass = entry<double>(line, "mass", cables);
-    data.node_mass = entry<double>(line, "node_mass", 2 * stations_);
-    data.load = entry<double>(line, "load", dofs);
-    data.position = entry<double>(line, "position", dofs);
+    data.nodes = length("node_mass");
+    data.ties = length("tie_length");
+    data.clamps = length("clamp_stiffness");
+    data.stays = length("stay_length");
+    data.grounds = length("ground_node");
+    data.paths = length("path_stiffness");
+    if (data.nodes < 2) throw std::invalid_argument("a line has at least two nodes");
+    nodes_ = data.nodes;
+    ties_ = data.ties;
+    paths_ = data.paths;
+    const auto number_of = [&line](const char* name, int count) {
+        return entry<double>(line, name, count);
+    };
+    const auto nodes = [&](const char* name, int count) {
+        return indices(line, name, count, data.nodes);
+    };
+    const int cables = data.nodes - 1, dofs = 6 * data.nodes;
+    data.length = number_of("length", cables);
+    data.axial_stiffness = number_of("axial_stiffness", cables);
+    data.bending_stiffness = number_of("bending_stiffness", cables);
+    data.mass = number_of("mass", cables);
+    data.node_mass = number_of("node_mass", data.nodes);
+    data.load = number_of("load", dofs);
+    data.position = number_of("position", dofs);
     data.fixed = entry<bool>(line, "fixed", dofs);
-    data.dropper_station = entry<std::int64_t>(line, "dropper_station", droppers_);
-    data.dropper_length = entry<double>(line, "dropper_length", droppers_);
-    data.dropper_stiffness = entry<double>(line, "dropper_stiffness", droppers_);
-    data.arm_station = entry<std::int64_t>(line, "arm_station", arms);
-    data.arm_end = entry<double>(line, "arm_end", 3 * arms);
-    data.arm_length = entry<double>(line, "arm_length", arms);
-    data.arm_stiffness = entry<double>(line, "arm_stiffness", arms);
-    data.spring_dof = entry<std::int64_t>(line, "spring_dof", springs);
-    data.spring_stiffness = entry<double>(line, "spring_stiffness", springs);
-    data.spring_damping = entry<double>(line, "spring_damping", springs);
-    data.spring_free = entry<double>(line, "spring_free", springs);
+    data.rank = nodes("rank", data.nodes);
+    data.tie_nodes = nodes("tie_nodes", 2 * data.ties);
+    data.tie_law = indices(line, "tie_law", data.ties, 3);
+    data.tie_length = number_of("tie_length", data.ties);
+    data.tie_stiffness = number_of("tie_stiffness", data.ties);
+    data.clamp_nodes = nodes("clamp_nodes", 2 * data.clamps);
+    data.clamp_stiffness = number_of("clamp_stiffness", data.clamps);
+    data.clamp_offset = number_of("clamp_offset", 3 * data.clamps);
+    data.stay_node = nodes("stay_node", data.stays);
+    data.stay_law = indices(line, "stay_law", data.stays, 3);
+    data.stay_end = number_of("stay_end", 3 * data.stays);
+    data.stay_length = number_of("stay_length", data.stays);
+    data.stay_stiffness = number_of("stay_stiffness", data.stays);
+    data.ground_node = nodes("ground_node", data.grounds);
+    data.ground_stiffness = number_of("ground_stiffness", 9 * data.grounds);
+    data.ground_damping = number_of("ground_damping", 9 * data.grounds);
+    data.ground_free = number_of("ground_free", 3 * data.grounds);
+    data.path_nodes = nodes("path_nodes", 2 * data.paths);
+    data.path_stiffness = number_of("path_stiffness", data.paths);
+    for (int i = 0; i < data.paths; ++i)
+        if (data.path_nodes[2 * i] >= data.path_nodes[2 * i + 1])
+            throw std::invalid_argument("a path has at least two nodes, from left to right");
     const bool stiffened = line.contains("stiffening_bending");
-    data.stiffening_bending = stiffened ? entry<double>(line, "stiffening_bending", cables) : nullptr;
-    data.stiffening_load = stiffened ? entry<double>(line, "stiffening_load", dofs) : nullptr;
+    data.stiffening_bending = stiffened ? number_of("stiffening_bending", cables) : nullptr;
+    data.stiffening_load = stiffened ? number_of("stiffening_load", dofs) : nullptr;
     data.damping_mass = nb::cast<double>(line["damping_mass"]);
     data.damping_stiffness = nb::cast<double>(line["damping_stiffness"]);
-    for (std::size_t i = 0; i < droppers_; ++i)
-        if (data.dropper_station[i] < 0 || data.dropper_station[i] >= data.stations)
-            throw std::invalid_argument("dropper_station is outside the line");
-    for (std::size_t i = 0; i < arms; ++i)
-        if (data.arm_station[i] < 0 || data.arm_station[i] >= data.stations)
-            throw std::invalid_argument("arm_station is outside the line");
-    for (std::size_t i = 0; i < springs; ++i)
-        if (data.spring_dof[i] < 0 || data.spring_dof[i] >= 12 * data.stations)
-            throw std::invalid_argument("spring_dof is outside the line");
     const auto number = [&scheme](const char* name) { return nb::cast<double>(scheme[name]); };
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"), number("time_step"),
-                     number("contact_stiffness"), number("tolerance"),
+                     number("tolerance"),
                      nb::cast<int>(scheme["iterations"]), nb::cast<bool>(scheme["full_newton"])}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
     const auto observed = nb::cast<In<std::int64_t>>(known["observed"]);
-    const std::size_t steps = nb::len(nb::object(known["position"]));
+    const std::size_t steps = nb::len(nb::object(known["on_line"])), pairs = pantographs_ * paths_;
     const auto out = [&histories](const char* name, std::size_t size) {
         return checked(nb::cast<Out<double>>(histories[name]), size, name);
     };
     for (std::size_t i = 0; i < observed.size(); ++i)
-        if (observed.data()[i] < 0 || observed.data()[i] >= static_cast<std::int64_t>(12 * stations_))
+        if (observed.data()[i] < 0 || observed.data()[i] >= static_cast<std::int64_t>(6 * nodes_))
             throw std::invalid_argument("an observed degree of freedom is outside the line");
     Chunk chunk;
     chunk.steps = static_cast<int>(steps);
@@ -158,17 +180,17 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
     chunk.until_crossing = nb::cast<bool>(known["until_crossing"]);
     if (!(chunk.time_step > 0.0)) throw std::invalid_argument("time_step must be positive");
     chunk.on_line = entry<bool>(known, "on_line", steps * pantographs_);
-    chunk.position = entry<double>(known, "position", steps * pantographs_);
-    chunk.rise = entry<double>(known, "rise", steps * pantographs_);
+    chunk.frame = entry<double>(known, "frame", steps * pantographs_ * 9);
+    chunk.rise = entry<double>(known, "rise", steps * pairs);
     chunk.before = entry<double>(known, "before", steps * stages_);
     chunk.after = entry<double>(known, "after", steps * stages_);
     chunk.observed = static_cast<int>(observed.size());
     chunk.observed_dofs = observed.data();
-    chunk.force = out("contact_force", steps * pantographs_);
-    chunk.gap = out("gap", steps * pantographs_);
-    chunk.height = out("wire_height", steps * pantographs_);
+    chunk.force = out("contact_force", steps * pairs);
+    chunk.gap = out("gap", steps * pairs);
+    chunk.height = out("wire_height", steps * pairs);
     chunk.stages = out("stages", steps * stages_);
-    chunk.dropper_force = out("dropper_force", steps * droppers_);
+    chunk.tie_force = out("dropper_force", steps * ties_);
     chunk.coordinates = out("observed", steps * observed.size());
     chunk.refused_gap = out("refused_gap", pantographs_);
     int done = 0;
@@ -208,7 +230,7 @@ NB_MODULE(_core, m) {
     nb::class_<Stepper>(m, "Stepper")
         .def(nb::init<const nb::dict&, const nb::dict&>(), nb::arg("line"), nb::arg("scheme"))
         .def("add_pantograph", &Stepper::add_pantograph, nb::arg("mass"), nb::arg("stiffness"),
-             nb::arg("damping"), nb::arg("start_height"))
+             nb::arg("damping"), nb::arg("start_height"), nb::arg("reach"))
         .def("advance", &Stepper::advance, nb::arg("known"), nb::arg("histories"))
         .def("start_from", &Stepper::start_from, nb::arg("q"), nb::arg("v"))
         .def("coordinates", &Stepper::coordinates, nb::arg("out"))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.motion.native_stepper import NativeStepper, cable_order
+from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions, Stepper
 from tautwire.numerics.network.system import System
@@ -83,9 +83,6 @@ def make_stepper(
 ) -> Stepper:
     """Set up a time integration with the chosen kernels.
 
-    A line whose nodes are not two wires side by side, coupled station by station, is integrated by
-    the general banded solver of the reference; ``counters.notes`` says so.
-
     Parameters
     ----------
     system
@@ -105,14 +102,9 @@ def make_stepper(
         'native' was asked for and is not there.
     """
     core = _native(backend)
-    if core is not None and cable_order(system) is not None:
-        return NativeStepper(core, system, pantographs, options, observed)
-    stepper = ReferenceStepper(system, pantographs, options, observed)
-    if core is not None:
-        stepper.counters.notes["general_solver"] = (
-            "the line is not two wires side by side coupled station by station"
-        )
-    return stepper
+    if core is None:
+        return ReferenceStepper(system, pantographs, options, observed)
+    return NativeStepper(core, system, pantographs, options, observed)
 
 
 def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
