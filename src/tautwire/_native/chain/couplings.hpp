@@ -38,7 +38,7 @@ public:
 private:
     // Aimed-at contraction of an iteration by what is cut off; the tangent's change alone is worth
     // about as much.
-    static constexpr double kContraction = 1e-2;
+    static constexpr double kContraction = 3e-3;
     // Finest and coarsest cut-off, relative to the column.
     static constexpr double kLeastCut = 1e-3, kMostCut = 0.1;
 
@@ -93,6 +93,7 @@ private:
     List<Coupling> couplings_;  // those of the line along the track, then the contacts
     List<End> ends_;
     List<Entry> entries_;
+    List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
     int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
     Buffer<int> by_node_;  // ends of the line, sorted
@@ -208,13 +209,15 @@ inline void Couplings::add_end(const Chain& chain, int k, int node, const double
     const Layout& layout = line_.layout;
     End end = {k, node, layout.slot(node).row, node, static_cast<int>(entries_.size()), 0};
     double total = 0.0;
-    chain.eliminate_from(node, rhs, [&](int m, const double* w, const double* z, const double*) {
+    chain.eliminate_from(node, rhs, [&](int m, const double* w, const double* z, const double* d) {
         const int at = layout.in_floats(m);
         double here = 0.0;
         for (int i = 0; i < 6; ++i) {
             here += w[i] * z[i];
             entries_.push({6 * m + i, at + i * kPieces, static_cast<float>(w[i]),
                            static_cast<float>(z[i])});
+            const double of_w = w[i] * w[i] * d[i], of_z = z[i] * z[i] / d[i];
+            sizes_.push(static_cast<float>(of_w > of_z ? of_w : of_z));
         }
         total += here;
         end.last_node = m;
@@ -234,14 +237,14 @@ inline void Couplings::cut(int k) {
             compliance += static_cast<double>(entries_[n].w) * entries_[n].z;
     double tau = kContraction / (c.kappa * compliance);
     tau = tau < kLeastCut ? kLeastCut : tau > kMostCut ? kMostCut : tau;
-    int kept = ends_[c.first_end].first;
+    const int start = ends_[c.first_end].first;
+    int kept = start;
     for (int e = c.first_end; e < c.last_end; ++e) {
         End& end = ends_[e];
         const int first = kept;
         for (int n = end.first; n < end.last; ++n) {
             const Entry entry = entries_[n];
-            const double size = std::fabs(static_cast<double>(entry.w) * entry.z);
-            if (!(size > tau * tau * compliance)) continue;
+            if (!(sizes_[n - start] > tau * tau * compliance)) continue;
             end.last_node = entry.dof / 6;
             entries_[kept++] = entry;
         }
@@ -249,6 +252,7 @@ inline void Couplings::cut(int k) {
         end.last = kept;
     }
     entries_.shorten(kept);
+    sizes_.shorten(0);
 }
 
 inline double Couplings::response(const End& e, const End& f, RowRange range) const {
