@@ -242,11 +242,12 @@ def _version_finder() -> Callable[[], str | None]:
     """Return a function that tells a worker's version."""
 
     def find_version() -> str | None:
+        from importlib import import_module
+
         try:
-            from tautwire import __version__ as version
+            return import_module("tautwire").__version__
         except ImportError:
             return None
-        return version
 
     return find_version
 
