@@ -1,9 +1,9 @@
 """How long is contact lost, and does the time step decide it?
 
 Expect: on a line with a rough running surface a constant step of 1 ms misses a loss that the
-adaptive step finds, and is wrong about the durations of the others by more than a tenth, whether its
-samples are counted or interpolated; the adaptive step by less than a twentieth. A short line and a
-coarse mesh keep this example quick; they are too coarse for figures to be quoted.
+adaptive step finds, and is wrong about the durations of the others by more than a tenth, whether
+its samples are counted or interpolated; the adaptive step by less than a twentieth. A short line
+and a coarse mesh keep this example quick; they are too coarse for figures to be quoted.
 """
 
 import tautwire as tw

@@ -113,8 +113,8 @@ def test_largest_force(record_validation: Record) -> None:
         target=313.22,
         relative=0.06,
         source=BENCHMARK,
-        note="the steady arms decide: acting only vertically 25 N larger, with three times their mass "
-        "9 N; messenger wire held along the track 6 N larger; mesh and step below 1 N",
+        note="the steady arms decide: acting only vertically 25 N larger, with three times their "
+        "mass 9 N; messenger wire held along the track 6 N larger; mesh and step below 1 N",
     )
     assert ours == pytest.approx(294.3, abs=1.0)
 
