@@ -103,7 +103,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any
 
 @pytest.mark.parametrize("seed", range(KILLS))
 def test_killed_study(tmp_path: Path, undisturbed: tuple[dict[str, Any], float], seed: int) -> None:
-    """KILL or TERM of the command or a worker: rows on disk stay, --resume ends equal to the bit."""
+    """KILL or TERM of command or worker: rows on disk stay, --resume ends equal to the bit."""
     expected, duration = undisturbed
     folder = prepared(tmp_path / "killed")
     before = kill_sometime(STUDY_COMMAND, folder, random.Random(seed), duration)
