@@ -91,7 +91,7 @@ def test_compare_for_people(short_run: tuple[Path, Outcome], invoke: Invoke) -> 
 
 
 def test_compare_says_what_is_missed(short_run: tuple[Path, Outcome], invoke: Invoke) -> None:
-    """A force that varies twice as much, measured the other way round: the miss and the direction are told."""
+    """A force varying twice as much, measured the other way: the miss and direction are told."""
     rows = (short_run[0] / "force.csv").read_text(encoding="utf-8").splitlines()
     samples = [[float(cell) for cell in row.split(",")[1:3]] for row in rows[1:]]
     lines = ["position [m],force [N]", *(f"{x},{2 * force - 150}" for x, force in samples[::-1])]
