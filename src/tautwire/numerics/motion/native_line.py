@@ -19,8 +19,6 @@ from tautwire.numerics.network.system import System
 Array = NDArray[Any]
 Index = NDArray[np.int64]
 
-_BOTH_WAYS, _TENSION_ONLY = 0, 1
-
 
 class NotAChainError(ValueError):
     """The wires of a line branch or close to rings, or a path does not follow one of them."""
@@ -105,22 +103,20 @@ def line_arrays(
         Of a contact with any path [N/m].
     """
     numbers = _wires(system, order)
-    indices: dict[str, Any] = {"rank": order.nodes}
-    for kind in (_ties, _clamps, _stays, _grounds):
-        more_numbers, more_indices = kind(system, order)
-        numbers |= more_numbers
-        indices |= more_indices
-    path = _path_ends(order, system.contact_nodes)
-    indices["path_nodes"] = path[None]
-    numbers["path_stiffness"] = np.array([contact_stiffness])
+    attached, indices = _attachments(system, order)
+    numbers |= attached
+    indices["rank"] = order.nodes
+    ends = [_path_ends(order, path.nodes) for path in system.paths]
+    indices["path_nodes"] = np.array(ends).reshape(-1, 2)
+    numbers["path_stiffness"] = np.full(len(ends), contact_stiffness)
     if stiffening is not None:
         numbers["stiffening_bending"] = _along(stiffening.bending, order, 0.0)
         numbers["stiffening_load"] = stiffening.load[order.dofs]
     result: dict[str, Any] = {k: np.ascontiguousarray(v, dtype=float) for k, v in numbers.items()}
     result |= {k: np.ascontiguousarray(v, dtype=np.int64) for k, v in indices.items()}
     result["fixed"] = np.ascontiguousarray(system.fixed[order.dofs], dtype=bool)
-    result["damping_mass"] = float(system.damping_mass)
-    result["damping_stiffness"] = float(system.damping_stiffness)
+    result["damping_mass"] = float(system.damping.mass)
+    result["damping_stiffness"] = float(system.damping.stiffness)
     return result
 
 
@@ -139,46 +135,41 @@ def _path_ends(order: NodeOrder, nodes: Index) -> Index:
 
 
 def _wires(system: System, order: NodeOrder) -> dict[str, Array]:
+    cables, stays = system.cables, system.stays
     node_mass = system.node_mass.copy()
-    np.add.at(node_mass, system.arm_nodes, system.arm_mass / 3.0)
+    np.add.at(node_mass, stays.node, stays.mass / 3.0)
     return {
-        "length": _along(system.cable_length, order, 1.0),
-        "axial_stiffness": _along(system.cable_axial_stiffness, order, 0.0),
-        "bending_stiffness": _along(system.cable_bending_stiffness, order, 0.0),
-        "mass": _along(system.cable_mass, order, 0.0),
+        "length": _along(cables.length, order, 1.0),
+        "axial_stiffness": _along(cables.axial, order, 0.0),
+        "bending_stiffness": _along(cables.bending, order, 0.0),
+        "mass": _along(cables.mass, order, 0.0),
         "node_mass": node_mass[order.nodes],
         "load": system.load[order.dofs],
         "position": system.position[order.dofs],
     }
 
 
-def _ties(system: System, order: NodeOrder) -> tuple[dict[str, Array], dict[str, Index]]:
-    numbers = {"tie_length": system.dropper_length, "tie_stiffness": system.dropper_stiffness}
-    law = np.full(len(system.dropper_length), _TENSION_ONLY)
-    return numbers, {"tie_nodes": order.place[system.dropper_nodes], "tie_law": law}
-
-
-def _clamps(system: System, order: NodeOrder) -> tuple[dict[str, Array], dict[str, Index]]:
-    numbers = {"clamp_stiffness": np.empty(0), "clamp_offset": np.empty((0, 3))}
-    return numbers, {"clamp_nodes": np.empty((0, 2))}
-
-
-def _stays(system: System, order: NodeOrder) -> tuple[dict[str, Array], dict[str, Index]]:
+def _attachments(system: System, order: NodeOrder) -> tuple[dict[str, Array], dict[str, Index]]:
+    """Return what joins wires and holds them: numbers and places."""
+    ties, clamps, stays, grounds = system.ties, system.clamps, system.stays, system.grounds
     numbers = {
-        "stay_end": system.arm_ends,
-        "stay_length": system.arm_length,
-        "stay_stiffness": system.arm_stiffness,
+        "tie_length": ties.length,
+        "tie_stiffness": ties.stiffness,
+        "clamp_stiffness": clamps.stiffness,
+        "clamp_offset": clamps.offset,
+        "stay_end": stays.end,
+        "stay_length": stays.length,
+        "stay_stiffness": stays.stiffness,
+        "ground_stiffness": grounds.stiffness,
+        "ground_damping": grounds.damping,
+        "ground_free": grounds.free,
     }
-    law = np.full(len(system.arm_nodes), _BOTH_WAYS)
-    return numbers, {"stay_node": order.place[system.arm_nodes], "stay_law": law}
-
-
-def _grounds(system: System, order: NodeOrder) -> tuple[dict[str, Array], dict[str, Index]]:
-    count = len(system.spring_dofs)
-    stiffness, damping, free = np.zeros((count, 3, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3))
-    n, i = np.arange(count), system.spring_dofs % 6
-    stiffness[n, i, i] = system.spring_stiffness
-    damping[n, i, i] = system.spring_damping
-    free[n, i] = system.spring_free
-    numbers = {"ground_stiffness": stiffness, "ground_damping": damping, "ground_free": free}
-    return numbers, {"ground_node": order.place[system.spring_dofs // 6]}
+    places = {
+        "tie_nodes": order.place[ties.nodes],
+        "tie_law": ties.law,
+        "clamp_nodes": order.place[clamps.nodes],
+        "stay_node": order.place[stays.node],
+        "stay_law": stays.law,
+        "ground_node": order.place[grounds.node],
+    }
+    return numbers, places

@@ -82,7 +82,7 @@ class NativeStepper:
         self.counters = StepCounters()
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
-        self._order = NodeOrder.of(system.cable_nodes, system.node_count)
+        self._order = NodeOrder.of(system.cables.nodes, system.node_count)
         observed = np.asarray(observed, dtype=np.int64)
         self._observed = 6 * self._order.place[observed // 6] + observed % 6
         self._clock = Clock()
@@ -213,7 +213,7 @@ class NativeStepper:
         widths = {
             **dict.fromkeys(_OF_PAIRS, pairs),
             "stages": sum(p.chain.stage_count for p in self._inputs),
-            "dropper_force": len(self._system.dropper_length),
+            "dropper_force": len(self._system.ties),
             "observed": len(self._observed),
         }
         return {name: np.empty((steps, width)) for name, width in widths.items()}
