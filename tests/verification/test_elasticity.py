@@ -140,7 +140,7 @@ def full_newton(system: System, extra: Array) -> Array:
         return np.where(system.fixed, 0.0, r)
 
     def direction(q: Array, r: Array) -> Array:
-        taut = internal_force(system, q).dropper_axial > 0.0
+        taut = internal_force(system, q).tie_axial > 0.0
         k = pattern.csr(pattern.values(tangent_parts(system, q, taut=taut))).tocsc()
         step = np.zeros(system.dof_count)
         step[free] = spsolve(k[free][:, free], -r[free])
@@ -193,7 +193,7 @@ def test_standing_pantograph_settles_at_the_elasticity() -> None:
     at = result.kind.index("dropper") + 2 * 4
     x = float(result.x[at])
     height = float(shape.dropper_heights[shape.dropper_x == x][0])
-    given = PantographInput(one_stage(8.0), 0.0, x, height, 0.0, 60.0, 0.3)
+    given = PantographInput(one_stage(8.0), 0.0, x, height, 0.0, np.array([60.0]), 0.3)
     run = stepper(system, 1e-2, pantographs=(given,), contact_stiffness=2e4, tolerance=1e-9)
     block = run.advance(400)
     settled = float(block.wire_height[-1, 0] - height)
