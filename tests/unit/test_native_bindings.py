@@ -161,7 +161,7 @@ def test_twenty_pantographs() -> None:
     """As many pantographs as a case may have run in both backends, with equal forces."""
     system, (first,) = entering(ac_simple(**TWO_SPANS))
     options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=1e-12)
-    wire = system.position.reshape(-1, 6)[system.contact_nodes]
+    wire = system.position.reshape(-1, 6)[system.paths[0].nodes]
     places = first.start_x + 4.0 * np.arange(20)
     heights = np.interp(places, wire[:, 0], wire[:, 2])
     train = tuple(
