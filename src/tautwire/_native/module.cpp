@@ -1,40 +1,20 @@
 // Python bindings, and the choice of the instruction set at import.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <cstdlib>
 #include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include <tuple>
 
+#include "arguments.hpp"
 #include "engine.hpp"
 #include "processor.hpp"
-
-namespace nb = nanobind;
 
 namespace tautwire {
 
 Engine::~Engine() = default;
 
 namespace {
-
-template <class T>
-using In = nb::ndarray<const T, nb::c_contig, nb::device::cpu>;
-template <class T>
-using Out = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
-
-// Data of an array that must have `size` entries.
-template <class A>
-auto* checked(const A& array, std::size_t size, const char* name) {
-    if (array.size() != size)
-        throw std::invalid_argument(std::string(name) + " has " + std::to_string(array.size()) +
-                                    " entries, expected " + std::to_string(size));
-    return array.data();
-}
 
 const Backend* chosen = nullptr;
 
@@ -43,14 +23,15 @@ class Stepper {
 public:
     Stepper(const nb::dict& line, const nb::dict& scheme);
 
-    void add_pantograph(const In<double>& mass, const In<double>& stiffness,
-                        const In<double>& damping, double start_height, const In<double>& reach) {
-        const std::size_t n = mass.size();
-        if (n == 0) throw std::invalid_argument("a pantograph has at least one stage");
-        const double* lateral = checked(reach, 2, "reach");
-        engine_->add_pantograph({static_cast<int>(n), mass.data(),
-                                 checked(stiffness, n * n, "stiffness"),
-                                 checked(damping, n * n, "damping"), start_height,
+    void add_pantograph(nb::object mass, nb::object stiffness, nb::object damping,
+                        double start_height, nb::object reach) {
+        Arguments given;
+        const std::size_t n = nb::len(mass);
+        if (n == 0) throw nb::value_error("mass is empty; a pantograph has at least one stage");
+        const double* lateral = given.array<const double>(reach, 2, "reach");
+        engine_->add_pantograph({static_cast<int>(n), given.array<const double>(mass, n, "mass"),
+                                 given.array<const double>(stiffness, n * n, "stiffness"),
+                                 given.array<const double>(damping, n * n, "damping"), start_height,
                                  {lateral[0], lateral[1]}});
         ++pantographs_;
         stages_ += n;
@@ -59,22 +40,28 @@ public:
     // Take steps; fill the history arrays; return how many succeeded and the outcome as a number.
     std::tuple<int, int> advance(const nb::dict& known, const nb::dict& histories);
 
-    bool start_from(const In<double>& q, const In<double>& v) {
-        return engine_->start_from(checked(q, 6 * nodes_, "q"), checked(v, 6 * nodes_, "v"));
+    bool start_from(nb::object q, nb::object v) {
+        Arguments given;
+        const double* at = given.array<const double>(q, 6 * nodes_, "q");
+        return engine_->start_from(at, given.array<const double>(v, 6 * nodes_, "v"));
     }
-    void coordinates(const Out<double>& out) const {
-        engine_->coordinates(checked(out, 6 * nodes_, "out"));
+    void coordinates(nb::object out) const {
+        engine_->coordinates(Arguments().array<double>(out, 6 * nodes_, "out"));
     }
-    void velocities(const Out<double>& out) const {
-        engine_->velocities(checked(out, 6 * nodes_, "out"));
+    void velocities(nb::object out) const {
+        engine_->velocities(Arguments().array<double>(out, 6 * nodes_, "out"));
     }
     std::tuple<double, double, double, double, double> timings() const {
         const Timings t = engine_->timings();
         return {t.elimination, t.contacts, t.substitution, t.records, t.total};
     }
     std::size_t state_size() const { return engine_->state_size(); }
-    void save(const Out<double>& out) const { engine_->save(checked(out, state_size(), "out")); }
-    void restore(const In<double>& in) { engine_->restore(checked(in, state_size(), "state")); }
+    void save(nb::object out) const {
+        engine_->save(Arguments().array<double>(out, state_size(), "out"));
+    }
+    void restore(nb::object state) {
+        engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
+    }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters()
         const {
         const Counters c = engine_->counters();
@@ -87,112 +74,102 @@ private:
     std::size_t nodes_ = 0, ties_ = 0, paths_ = 0, pantographs_ = 0, stages_ = 0;
 };
 
-template <class T>
-auto* entry(const nb::dict& arrays, const char* name, std::size_t size) {
-    return checked(nb::cast<In<T>>(arrays[name]), size, name);
-}
-
-// Check that an index array holds numbers from 0 to below `count`.
-const std::int64_t* indices(const nb::dict& arrays, const char* name, std::size_t size, int count) {
-    const std::int64_t* values = entry<std::int64_t>(arrays, name, size);
-    for (std::size_t i = 0; i < size; ++i)
-        if (values[i] < 0 || values[i] >= count)
-            throw std::invalid_argument(std::string(name) + " is outside the line");
-    return values;
-}
-
 Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
-    const auto length = [&line](const char* name) {
-        return static_cast<int>(nb::len(nb::object(line[name])));
+    Arguments given;
+    const auto numbers = [&](const char* name, std::size_t size) {
+        return given.entry<const double>(line, name, size);
     };
+    const auto indices = [&](const char* name, std::size_t size, std::size_t count) {
+        const std::int64_t* found = given.entry<const std::int64_t>(line, name, size);
+        check_indices(found, size, static_cast<std::int64_t>(count), name);
+        return found;
+    };
+    const auto length = [&line](const char* name) { return Arguments::length(line, name); };
+    nodes_ = length("node_mass");
+    ties_ = length("tie_length");
+    paths_ = length("path_stiffness");
+    if (nodes_ < 2) throw nb::value_error("node_mass: a line has at least two nodes");
+    const std::size_t clamps = length("clamp_stiffness"), stays = length("stay_length");
+    const std::size_t grounds = length("ground_node"), cables = nodes_ - 1, dofs = 6 * nodes_;
     LineData data;
-    data.nodes = length("node_mass");
-    data.ties = length("tie_length");
-    data.clamps = length("clamp_stiffness");
-    data.stays = length("stay_length");
-    data.grounds = length("ground_node");
-    data.paths = length("path_stiffness");
-    if (data.nodes < 2) throw std::invalid_argument("a line has at least two nodes");
-    nodes_ = data.nodes;
-    ties_ = data.ties;
-    paths_ = data.paths;
-    const auto number_of = [&line](const char* name, int count) {
-        return entry<double>(line, name, count);
-    };
-    const auto nodes = [&](const char* name, int count) {
-        return indices(line, name, count, data.nodes);
-    };
-    const int cables = data.nodes - 1, dofs = 6 * data.nodes;
-    data.length = number_of("length", cables);
-    data.axial_stiffness = number_of("axial_stiffness", cables);
-    data.bending_stiffness = number_of("bending_stiffness", cables);
-    data.mass = number_of("mass", cables);
-    data.node_mass = number_of("node_mass", data.nodes);
-    data.load = number_of("load", dofs);
-    data.position = number_of("position", dofs);
-    data.fixed = entry<bool>(line, "fixed", dofs);
-    data.rank = nodes("rank", data.nodes);
-    data.tie_nodes = nodes("tie_nodes", 2 * data.ties);
-    data.tie_law = indices(line, "tie_law", data.ties, 3);
-    data.tie_length = number_of("tie_length", data.ties);
-    data.tie_stiffness = number_of("tie_stiffness", data.ties);
-    data.clamp_nodes = nodes("clamp_nodes", 2 * data.clamps);
-    data.clamp_stiffness = number_of("clamp_stiffness", data.clamps);
-    data.clamp_offset = number_of("clamp_offset", 3 * data.clamps);
-    data.stay_node = nodes("stay_node", data.stays);
-    data.stay_law = indices(line, "stay_law", data.stays, 3);
-    data.stay_end = number_of("stay_end", 3 * data.stays);
-    data.stay_length = number_of("stay_length", data.stays);
-    data.stay_stiffness = number_of("stay_stiffness", data.stays);
-    data.ground_node = nodes("ground_node", data.grounds);
-    data.ground_stiffness = number_of("ground_stiffness", 9 * data.grounds);
-    data.ground_damping = number_of("ground_damping", 9 * data.grounds);
-    data.ground_free = number_of("ground_free", 3 * data.grounds);
-    data.path_nodes = nodes("path_nodes", 2 * data.paths);
-    data.path_stiffness = number_of("path_stiffness", data.paths);
-    for (int i = 0; i < data.paths; ++i)
+    data.nodes = static_cast<int>(nodes_);
+    data.ties = static_cast<int>(ties_);
+    data.clamps = static_cast<int>(clamps);
+    data.stays = static_cast<int>(stays);
+    data.grounds = static_cast<int>(grounds);
+    data.paths = static_cast<int>(paths_);
+    data.length = numbers("length", cables);
+    data.axial_stiffness = numbers("axial_stiffness", cables);
+    data.bending_stiffness = numbers("bending_stiffness", cables);
+    data.mass = numbers("mass", cables);
+    data.node_mass = numbers("node_mass", nodes_);
+    data.load = numbers("load", dofs);
+    data.position = numbers("position", dofs);
+    data.fixed = given.entry<const bool>(line, "fixed", dofs);
+    data.rank = indices("rank", nodes_, nodes_);
+    data.tie_nodes = indices("tie_nodes", 2 * ties_, nodes_);
+    data.tie_law = indices("tie_law", ties_, kLaws);
+    data.tie_length = numbers("tie_length", ties_);
+    data.tie_stiffness = numbers("tie_stiffness", ties_);
+    data.clamp_nodes = indices("clamp_nodes", 2 * clamps, nodes_);
+    data.clamp_stiffness = numbers("clamp_stiffness", clamps);
+    data.clamp_offset = numbers("clamp_offset", 3 * clamps);
+    data.stay_node = indices("stay_node", stays, nodes_);
+    data.stay_law = indices("stay_law", stays, kLaws);
+    data.stay_end = numbers("stay_end", 3 * stays);
+    data.stay_length = numbers("stay_length", stays);
+    data.stay_stiffness = numbers("stay_stiffness", stays);
+    data.ground_node = indices("ground_node", grounds, nodes_);
+    data.ground_stiffness = numbers("ground_stiffness", 9 * grounds);
+    data.ground_damping = numbers("ground_damping", 9 * grounds);
+    data.ground_free = numbers("ground_free", 3 * grounds);
+    data.path_nodes = indices("path_nodes", 2 * paths_, nodes_);
+    data.path_stiffness = numbers("path_stiffness", paths_);
+    for (std::size_t i = 0; i < paths_; ++i)
         if (data.path_nodes[2 * i] >= data.path_nodes[2 * i + 1])
-            throw std::invalid_argument("a path has at least two nodes, from left to right");
+            throw nb::value_error("path_nodes: a path has two nodes at least, from left to right");
     const bool stiffened = line.contains("stiffening_bending");
-    data.stiffening_bending = stiffened ? number_of("stiffening_bending", cables) : nullptr;
-    data.stiffening_load = stiffened ? number_of("stiffening_load", dofs) : nullptr;
-    data.damping_mass = nb::cast<double>(line["damping_mass"]);
-    data.damping_stiffness = nb::cast<double>(line["damping_stiffness"]);
-    const auto number = [&scheme](const char* name) { return nb::cast<double>(scheme[name]); };
+    data.stiffening_bending = stiffened ? numbers("stiffening_bending", cables) : nullptr;
+    data.stiffening_load = stiffened ? numbers("stiffening_load", dofs) : nullptr;
+    data.damping_mass = Arguments::value<double>(line, "damping_mass");
+    data.damping_stiffness = Arguments::value<double>(line, "damping_stiffness");
+    const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
-        data, Scheme{number("alpha"), number("beta"), number("gamma"), number("time_step"),
-                     number("tolerance"),
-                     nb::cast<int>(scheme["iterations"]), nb::cast<bool>(scheme["full_newton"])}));
+        data, Scheme{number("alpha"), number("beta"), number("gamma"),
+                     Arguments::positive(scheme, "time_step"), number("tolerance"),
+                     Arguments::value<int>(scheme, "iterations"),
+                     Arguments::value<bool>(scheme, "full_newton")}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
-    const auto observed = nb::cast<In<std::int64_t>>(known["observed"]);
-    const std::size_t steps = nb::len(nb::object(known["on_line"])), pairs = pantographs_ * paths_;
-    const auto out = [&histories](const char* name, std::size_t size) {
-        return checked(nb::cast<Out<double>>(histories[name]), size, name);
+    Arguments given;
+    const std::size_t steps = Arguments::length(known, "on_line"), pairs = pantographs_ * paths_;
+    const std::size_t observed = Arguments::length(known, "observed");
+    const auto in = [&](const char* name, std::size_t width) {
+        return given.entry<const double>(known, name, steps * width);
     };
-    for (std::size_t i = 0; i < observed.size(); ++i)
-        if (observed.data()[i] < 0 || observed.data()[i] >= static_cast<std::int64_t>(6 * nodes_))
-            throw std::invalid_argument("an observed degree of freedom is outside the line");
+    const auto out = [&](const char* name, std::size_t width) {
+        return given.entry<double>(histories, name, steps * width);
+    };
     Chunk chunk;
     chunk.steps = static_cast<int>(steps);
-    chunk.time_step = nb::cast<double>(known["time_step"]);
-    chunk.until_crossing = nb::cast<bool>(known["until_crossing"]);
-    if (!(chunk.time_step > 0.0)) throw std::invalid_argument("time_step must be positive");
-    chunk.on_line = entry<bool>(known, "on_line", steps * pantographs_);
-    chunk.frame = entry<double>(known, "frame", steps * pantographs_ * 9);
-    chunk.rise = entry<double>(known, "rise", steps * pairs);
-    chunk.before = entry<double>(known, "before", steps * stages_);
-    chunk.after = entry<double>(known, "after", steps * stages_);
-    chunk.observed = static_cast<int>(observed.size());
-    chunk.observed_dofs = observed.data();
-    chunk.force = out("contact_force", steps * pairs);
-    chunk.gap = out("gap", steps * pairs);
-    chunk.height = out("wire_height", steps * pairs);
-    chunk.stages = out("stages", steps * stages_);
-    chunk.tie_force = out("dropper_force", steps * ties_);
-    chunk.coordinates = out("observed", steps * observed.size());
-    chunk.refused_gap = out("refused_gap", pantographs_);
+    chunk.time_step = Arguments::positive(known, "time_step");
+    chunk.until_crossing = Arguments::value<bool>(known, "until_crossing");
+    chunk.on_line = given.entry<const bool>(known, "on_line", steps * pantographs_);
+    chunk.frame = in("frame", 9 * pantographs_);
+    chunk.rise = in("rise", pairs);
+    chunk.before = in("before", stages_);
+    chunk.after = in("after", stages_);
+    chunk.observed = static_cast<int>(observed);
+    chunk.observed_dofs = given.entry<const std::int64_t>(known, "observed", observed);
+    check_indices(chunk.observed_dofs, observed, static_cast<std::int64_t>(6 * nodes_), "observed");
+    chunk.force = out("contact_force", pairs);
+    chunk.gap = out("gap", pairs);
+    chunk.height = out("wire_height", pairs);
+    chunk.stages = out("stages", stages_);
+    chunk.tie_force = out("dropper_force", ties_);
+    chunk.coordinates = out("observed", observed);
+    chunk.refused_gap = given.entry<double>(histories, "refused_gap", pantographs_);
     int done = 0;
     Outcome outcome;
     {
@@ -204,12 +181,17 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
 
 using CableKernel = void (*)(int, const double*, const double*, const double*, const double*, double*);
 
-void run_cables(CableKernel kernel, std::size_t factor, const In<double>& e, const In<double>& length,
-                const In<double>& axial, const In<double>& bending, const Out<double>& out) {
-    const std::size_t n = length.size();
-    kernel(static_cast<int>(n), checked(e, 12 * n, "e"), length.data(),
-           checked(axial, n, "axial_stiffness"), checked(bending, n, "bending_stiffness"),
-           checked(out, factor * n, "out"));
+// Evaluate `factor` numbers per element of (4, 3, n) coordinates.
+void run_cables(CableKernel kernel, std::size_t factor, nb::object e, nb::object length,
+                nb::object axial, nb::object bending, nb::object out) {
+    Arguments given;
+    const std::size_t n = nb::len(length);
+    const auto in = [&](nb::handle value, std::size_t size, const char* name) {
+        return given.array<const double>(value, size, name);
+    };
+    kernel(static_cast<int>(n), in(e, 12 * n, "e"), in(length, n, "length"),
+           in(axial, n, "axial_stiffness"), in(bending, n, "bending_stiffness"),
+           given.array<double>(out, factor * n, "out"));
 }
 
 }  // namespace
@@ -219,12 +201,12 @@ NB_MODULE(_core, m) {
     m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
     m.attr("instruction_set") = chosen->name;
     m.attr("lanes") = chosen->lanes;
-    m.def("cable_force", [](const In<double>& e, const In<double>& length, const In<double>& axial,
-                            const In<double>& bending, const Out<double>& out) {
+    m.def("cable_force", [](nb::object e, nb::object length, nb::object axial, nb::object bending,
+                            nb::object out) {
         run_cables(chosen->cable_force, 12, e, length, axial, bending, out);
     });
-    m.def("cable_tangent", [](const In<double>& e, const In<double>& length, const In<double>& axial,
-                              const In<double>& bending, const Out<double>& out) {
+    m.def("cable_tangent", [](nb::object e, nb::object length, nb::object axial, nb::object bending,
+                              nb::object out) {
         run_cables(chosen->cable_tangent, 144, e, length, axial, bending, out);
     });
     nb::class_<Stepper>(m, "Stepper")

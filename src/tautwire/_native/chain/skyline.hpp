@@ -29,12 +29,7 @@ public:
 
     // Make all entries from `row` on zero, to be filled by at(row, column) with column <= row.
     void reset(int row) {
-        if (values_.size() < static_cast<std::size_t>(length_)) {
-            Buffer<double> more(2 * length_);
-            if (values_.size())
-                std::memcpy(more.data(), values_.data(), values_.size() * sizeof(double));
-            values_ = static_cast<Buffer<double>&&>(more);
-        }
+        if (values_.size() < static_cast<std::size_t>(length_)) values_.grow(2 * length_);
         if (row < size())
             std::memset(&values_[start_[row]], 0, (length_ - start_[row]) * sizeof(double));
     }

@@ -214,7 +214,7 @@ TAUTWIRE_INLINE void to_previous_piece(Doubles (&x)[2]) {
     x[1] = shuffle<kLanes>(x[1], broadcast<Doubles>(0.0), from_behind);
 }
 
-// A block of memory aligned for vectors, zero at the start.
+// A block of memory aligned for vectors, zero at the start, for values that may be copied bytewise.
 template <class T>
 class Buffer {
 public:
@@ -252,6 +252,13 @@ public:
     T* end() { return data_ + size_; }
     const T* begin() const { return data_; }
     const T* end() const { return data_ + size_; }
+    // Make room for more; what is there stays, the rest is zero.
+    void grow(std::size_t size) {
+        if (size <= size_) return;
+        Buffer larger(size);
+        if (size_ > 0) std::memcpy(static_cast<void*>(larger.data_), data_, size_ * sizeof(T));
+        *this = std::move(larger);
+    }
     void copy_from(const Buffer& other) { std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T)); }
 
 private:
@@ -265,7 +272,7 @@ template <class T>
 class List {
 public:
     void push(const T& entry) {
-        if (size_ == data_.size()) grow(2 * size_ + 16);
+        if (size_ == data_.size()) data_.grow(2 * size_ + 16);
         data_[size_++] = entry;
     }
     void shorten(std::size_t size) { size_ = size; }
@@ -278,12 +285,6 @@ public:
     const T* end() const { return data_.data() + size_; }
 
 private:
-    void grow(std::size_t capacity) {
-        Buffer<T> more(capacity);
-        if (size_) std::memcpy(static_cast<void*>(more.data()), data_.data(), size_ * sizeof(T));
-        data_ = static_cast<Buffer<T>&&>(more);
-    }
-
     Buffer<T> data_;
     std::size_t size_ = 0;
 };
