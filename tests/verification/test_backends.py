@@ -18,7 +18,7 @@ from tautwire.numerics.motion.stepper import RoofMotion, StepBlock, StepOptions,
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
-from ..lines import ac_simple, entering, moved, straight_wire
+from ..lines import ac_simple, entering, moved
 
 pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
 
@@ -109,20 +109,6 @@ def test_fast_path_against_full_newton() -> None:
     error = fast.contact_force - full.contact_force
     assert np.sqrt(np.mean(error**2)) <= 0.1
     assert np.abs(error).max() <= 0.5
-
-
-def test_other_lines_are_integrated_by_the_reference() -> None:
-    """A line that is not two wires side by side moves all the same, and the counters say how."""
-    system = straight_wire(20.0, 40)
-    force = np.where(np.arange(system.dof_count) == 6 * 20 + 2, 50.0, 0.0)
-    options = StepOptions(Newmark(), 1e-3, 2e5)
-    stepper = backend.make_stepper(
-        system.with_(load=system.load + force), (), options, np.array([122])
-    )
-    block = stepper.advance(20)
-    assert block.status is Status.RUNNING
-    assert "not two wires" in stepper.counters.notes["general_solver"]
-    assert block.observed[-1, 0] > 1e-4
 
 
 def test_state_that_is_not_finite_is_an_error() -> None:
