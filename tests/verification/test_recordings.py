@@ -19,6 +19,7 @@ from tautwire.measured.processing import (
     process,
 )
 from tautwire.measured.recording import Recording
+from tautwire.measured.summary import force_events, stretch_statistics
 from tautwire.signals.filters import SharpLowpass
 
 from ..recordings import RATE, SPANS, STRIP_MASS, Truth, passage, record
@@ -272,3 +273,30 @@ def test_equal_spans_are_undecidable() -> None:
     near = align(x[:3000] + 199.0, force[800:3800], x, force, search=20.0)
     assert near.verdict == "aligned"
     assert near.position(np.array([500.0])) == pytest.approx(501.0, abs=0.05)
+
+
+def test_figures_of_stretches() -> None:
+    """Mean, deviation and extremes of each span; a span with gaps tells its measured share, one
+    without any sample has no figures."""
+    position = np.arange(0.0, 30.0, 0.5)
+    force = np.where(position < 10.0, 100.0, 100.0 + 10.0 * (-1.0) ** np.arange(60))
+    force[(position >= 10.0) & (position < 15.0)] = np.nan
+    force[position >= 20.0] = np.nan
+    calm, gappy, empty = stretch_statistics(position, force, [0.0, 10.0, 20.0, 30.0], "abc")
+    assert (calm.mean, calm.standard_deviation, calm.measured_share) == (100.0, 0.0, 1.0)
+    assert (gappy.standard_deviation, gappy.maximum, gappy.measured_share) == (10.0, 110.0, 0.5)
+    assert np.isnan(empty.mean)
+    assert empty.measured_share == 0.0
+
+
+def test_events() -> None:
+    """A loss and a high force are told with start, duration and extreme; a short one is left out."""
+    time = np.arange(0.0, 1.0, 0.01)
+    force = np.full(100, 100.0)
+    force[20:25], force[50:52], force[80] = -1.0, 260.0, 300.0
+    loss, high = force_events(
+        time, 70.0 * time, force, loss_below=0.0, high_above=250.0, shortest=0.015
+    )
+    assert (loss.kind, high.kind) == ("loss", "high force")
+    assert loss.end - loss.start == pytest.approx(0.05)
+    assert (loss.position, high.extreme) == (pytest.approx(14.0), 260.0)

@@ -9,7 +9,7 @@ staircases.)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -115,7 +115,28 @@ def align(
             f"(correlation {forward.best:.2f} and {forward.rival:.2f}); equal spans repeat: give "
             "marks of known chainage",
         )
-    return _tracked(recorded, measured, grid, pattern, forward.shift)
+    return _refined(recorded, measured, grid, pattern, forward.shift)
+
+
+def _refined(
+    recorded: Array, measured: Array, grid: Array, pattern: Array, shift: float
+) -> Alignment:
+    """Track once, then again on the record laid out by the first map.
+
+    A wheel's error stretches a window against the line, which draws its shift towards where the
+    force varies most; laid out by a first map, the windows are no longer stretched.
+    """
+    first = _tracked(recorded, measured, grid, pattern, shift)
+    if first.verdict != "aligned":
+        return first
+    place = first.position(recorded)
+    even = np.arange(place[0], place[-1], recorded[1] - recorded[0])
+    known = np.interp(even, place, np.isnan(measured).astype(float)) == 0.0
+    bridged = np.interp(even, place, np.nan_to_num(measured, nan=float(np.nanmean(measured))))
+    second = _tracked(even, np.where(known, bridged, np.nan), grid, pattern, 0.0)
+    if second.verdict != "aligned":
+        return second
+    return replace(second, recorded=np.interp(second.recorded, place, recorded))
 
 
 def _refused(verdict: Verdict, text: str) -> Alignment:
@@ -228,7 +249,6 @@ def _map_of(centres: Array, shifts: Array, correlations: Array, refused: int) ->
     spread = float(np.std(shifts - smooth)) if len(shifts) >= 3 else float("nan")
     text = (
         f"aligned over {len(centres)} windows of {WINDOW:g} m, {refused} refused, correlation "
-        f"{correlations.min():.2f} to {correlations.max():.2f}, shift {smooth.min():+.2f} to "
-        f"{smooth.max():+.2f} m, windows scatter by {spread:.2f} m"
+        f"{correlations.min():.2f} to {correlations.max():.2f}, windows scatter by {spread:.2f} m"
     )
     return Alignment("aligned", text, centres[keep], true[keep], correlations, refused, spread)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tautwire.measured.recording import Array
 
@@ -55,10 +56,19 @@ def stretch_statistics(
         values = force[(position >= start) & (position < end)]
         known = values[~np.isnan(values)]
         share = len(known) / len(values) if len(values) else 0.0
-        figures = (
-            (known.mean(), known.std(), known.max(), known.min()) if len(known) else (np.nan,) * 4
+        known = known if len(known) else np.array([np.nan])
+        found.append(
+            StretchStatistics(
+                label=label,
+                start=start,
+                end=end,
+                mean=float(known.mean()),
+                standard_deviation=float(known.std()),
+                maximum=float(known.max()),
+                minimum=float(known.min()),
+                measured_share=share,
+            )
         )
-        found.append(StretchStatistics(label, start, end, *map(float, figures), share))
     return tuple(found)
 
 
@@ -104,7 +114,7 @@ def force_events(
         Events that are shorter are left out.
     """
     found: list[ForceEvent] = []
-    kinds: tuple[tuple[Literal["loss", "high force"], Array], ...] = (
+    kinds: tuple[tuple[Literal["loss", "high force"], NDArray[np.bool_]], ...] = (
         ("loss", force <= loss_below),
         ("high force", force > high_above),
     )
