@@ -290,7 +290,7 @@ def test_figures_of_stretches() -> None:
 
 
 def test_events() -> None:
-    """A loss and a high force are told with start, duration and extreme; a short one is left out."""
+    """A loss and a high force are told with duration and extreme; a short one is left out."""
     time = np.arange(0.0, 1.0, 0.01)
     force = np.full(100, 100.0)
     force[20:25], force[50:52], force[80] = -1.0, 260.0, 300.0
