@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -20,6 +18,7 @@ from tautwire.studies.axes import AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH, Quantity
 from tautwire.studies.plan import Plan
 from tautwire.studies.store import Row, Store
+from tautwire.text import csv_text
 
 REFUSED, MISSING = "refused", "missing"
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -140,16 +139,15 @@ class StudyTable:
 
     def to_csv(self) -> str:
         """Return one row per case as CSV; units stand in the headers."""
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
         flat = list(self._flat())
         axes = [_headed(axis.name, axis.unit) for axis in self.axes]
-        writer.writerow(["case", *axes, "status", "reason", "key", *(head for head, _ in flat)])
+        head = ["case", *axes, "status", "reason", "key", *(head for head, _ in flat)]
+        rows = []
         for number, index in enumerate(np.ndindex(*self.status.shape)):
             values = [_cell(column[number]) for _, column in flat]
             texts = [self.status[index], self.reason[index], self.key[index]]
-            writer.writerow([number + 1, *self._place(index), *texts, *values])
-        return out.getvalue()
+            rows.append([number + 1, *self._place(index), *texts, *values])
+        return csv_text(head, rows)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one plain mapping per case for JSON: axes, status, reason, key, numbers."""
