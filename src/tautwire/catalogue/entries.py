@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -11,7 +12,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
+from tautwire.text import shortened
 
 Kind = Literal["case", "pantograph"]
 _FOLDERS: tuple[tuple[Kind, str, str], ...] = (
@@ -93,7 +95,7 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
     text, target = read_entry(name), Path(path)
     if target.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
-    if target.is_dir() or (target.exists() and not force):
+    if os.path.lexists(target) and (target.is_dir() or not force):
         raise InputError(f"{target}: exists already; choose another name or remove it first")
     write_whole(
         target, f"# Copied from '{name}' of the tautwire library.\n" + _renamed(text, target)
@@ -134,8 +136,9 @@ def write_whole(target: Path, text: str) -> None:
         draft.replace(target)
     except OSError as error:
         raise InputError(
-            f"{target}: cannot be written ({error.strerror or error}); check that the folder "
-            "exists and may be written to"
+            f"{shortened(str(target), 300)}: cannot be written ({error.strerror or error}); "
+            f"{cure_of(error)}"
         ) from None
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # a name too long for the folder has no file either
+            draft.unlink(missing_ok=True)

@@ -12,7 +12,7 @@ from typing import Any
 from tautwire.catalogue.entries import list_entries, read_entry
 from tautwire.errors import InputError
 from tautwire.inputs.documents import SUFFIXES, parse_document
-from tautwire.inputs.files import did_you_mean, neighbours, read_case_text
+from tautwire.inputs.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.line_tables import (
     Overlay,
     read_dropper_table,
@@ -22,7 +22,15 @@ from tautwire.inputs.line_tables import (
 )
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
+from tautwire.inputs.paths import (
+    PathError,
+    fields_by_key,
+    find_target,
+    format_path,
+    parse_path,
+    value_at,
+)
+from tautwire.inputs.reach import Reach
 from tautwire.specs.case import SCHEMA_VERSION
 
 MAX_DOCUMENTS = 100
@@ -35,6 +43,8 @@ _TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
     "supports": (read_support_table, ("line", "supports")),
     "droppers": (read_dropper_table, ("droppers",)),
 }
+_OWN_KEYS = ("include", "tables", "schema", "sources")
+"""Keys of a document that are no values of a case."""
 _UNEVENNESS = ("irregularities", "unevenness")
 
 
@@ -98,7 +108,7 @@ def compose(name_or_path: str | Path) -> Composition:
         When a file cannot be read or parsed, or an include cannot be resolved.
     """
     document = find_document(name_or_path, Path())
-    composer = _Composer(Composition(document.label))
+    composer = _Composer(Composition(document.label), Reach.of(document.folder))
     part = composer.document(document, (), ())
     result = composer.result
     result.values = {**part.values}
@@ -120,14 +130,16 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
     path = (folder or Path()) / reference
     if path.suffix.lower() not in SUFFIXES and not os.path.isdir(path):  # noqa: PTH112
         if os.path.isfile(path):  # noqa: PTH113
-            raise InputError(f"{path}: is no case file; its name must end in {', '.join(SUFFIXES)}")
+            raise InputError(
+                f"{named(path)}: is no case file; its name must end in {', '.join(SUFFIXES)}"
+            )
         close = did_you_mean(str(reference), [*_library_names(), *neighbours(path)])
         raise InputError(
-            f"{reference}: there is no such case in the library and no such file{close}; the "
-            f"library holds: {', '.join(_library_names())}"
+            f"{named(str(reference))}: there is no such case in the library and no such file"
+            f"{close}; the library holds: {', '.join(_library_names())}"
         )
-    content = parse_document(read_case_text(path), str(path), path.suffix)
-    return Document(str(path), os.path.realpath(path), path.parent, content)
+    content = parse_document(read_case_text(path), named(path), path.suffix)
+    return Document(named(path), os.path.realpath(path), path.parent, content)
 
 
 @lru_cache(maxsize=8)
@@ -151,13 +163,15 @@ class _Part:
 class _Composer:
     """Walks through the documents of one case; ``at`` is where in the case a mapping stands."""
 
-    def __init__(self, result: Composition) -> None:
+    def __init__(self, result: Composition, reach: Reach) -> None:
         self.result = result
+        self._reach = reach
         self._documents = 0
 
     def document(self, document: Document, at: ValuePath, trail: Trail) -> _Part:
         """Compose a whole document; the trail names the documents that include it."""
         self._refuse_endless(document, trail)
+        _refuse_foreign(document, at)
         own = dict(document.content)
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
         if at:
@@ -181,6 +195,11 @@ class _Composer:
                 f"includes the next, are the limit: {chain}"
             )
 
+    def _included(self, reference: str, document: Document) -> Document:
+        if reference not in _library_names():
+            self._reach.check((document.folder or Path()) / reference, document.label)
+        return find_document(reference, document.folder)
+
     def _mapping(
         self, node: Mapping[str, Any], at: ValuePath, document: Document, trail: Trail
     ) -> _Part:
@@ -193,7 +212,7 @@ class _Composer:
                 raise InputError(
                     f"{document.label}: {place}: got {reference!r}; give one library name or file"
                 )
-            base = self.document(find_document(reference, document.folder), at, trail)
+            base = self.document(self._included(reference, document), at, trail)
         values: dict[str, Any] = {}
         sources: Sources = []
         for key, value in own.items():
@@ -247,19 +266,24 @@ class _Composer:
     ) -> dict[str, list[float]] | None:
         """Read a table that stands for the columns of a mapping; None when it cannot be used."""
         try:
-            return read((document.folder or Path()) / table)
+            return read(self._table_path(table, document))
         except InputError as error:
             self.result.problems += error.problems
             self.result.incomplete.add(str(at[0]))
             return None
+
+    def _table_path(self, file: str, document: Document) -> Path:
+        path = (document.folder or Path()) / file
+        self._reach.check(path, document.label)
+        return path
 
     def _tables(self, tables: object, own: Mapping[str, Any], document: Document) -> dict[str, Any]:
         """Read the tables of a document and return what they say about the case."""
         overlay: dict[str, Any] = {}
         for name, file in _table_files(tables, document.label).items():
             read, parts = _TABLES[name]
-            path = (document.folder or Path()) / file
             try:
+                path = self._table_path(file, document)
                 found = read(path)
             except InputError as error:
                 self.result.problems += error.problems
@@ -269,6 +293,25 @@ class _Composer:
             self.result.origins.update(found.origins)
             overlay = merge(overlay, found.values)
         return overlay
+
+
+def _refuse_foreign(document: Document, at: ValuePath) -> None:
+    """Refuse a file that has no key of a case, without a word of its content."""
+    target = find_target(at).spec if _leads_somewhere(at) else None
+    own = fields_by_key(target) if target is not None else {}
+    if own and document.content and not {*own, *_OWN_KEYS} & document.content.keys():
+        raise InputError(
+            f"{document.label}: holds none of the keys of {format_path(at) or 'a case'}, which are "
+            f"{', '.join(own)}; check that it is the right file"
+        )
+
+
+def _leads_somewhere(at: ValuePath) -> bool:
+    try:
+        find_target(at)
+    except PathError:
+        return False
+    return True
 
 
 def _check_schema(version: object, label: str) -> None:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
 from tautwire.inputs.composition import Composition, compose
+from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import PathError, find_target, parse_path
@@ -103,13 +104,13 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
 
 def _unknown_sources(data: Mapping[str, Any]) -> list[str]:
     """Name the entries of 'sources' whose path leads to nothing."""
-    problems = []
+    problems: dict[str, str] = {}
     entries = data.get("sources")
     for entry in entries if isinstance(entries, list) else []:
         path = entry.get("path") if isinstance(entry, Mapping) else None
-        if isinstance(path, str):
+        if isinstance(path, str) and path not in problems:
             try:
                 find_target(parse_path(path))
             except PathError as error:
-                problems.append(f"sources: the path {path!r} leads to nothing: {error}")
-    return problems
+                problems[path] = f"sources: the path {path!r} leads to nothing: {error}"
+    return grouped(problems.values())

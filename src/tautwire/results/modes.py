@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tautwire.text import csv_text
 
 Array = NDArray[np.float64]
 
@@ -133,7 +133,7 @@ class Modes:
         """Return the table of the modes as CSV."""
         head = ("frequency [Hz]", "sensitive wavelength [m]",
                 *(f"share {name} [1]" for name in SHARES), "residual [1]")  # fmt: skip
-        return _csv(head, [[f"{value:.8g}" for value in row.values()] for row in self.rows()])
+        return csv_text(head, [[f"{value:.8g}" for value in row.values()] for row in self.rows()])
 
     def shapes_csv(self) -> str:
         """Return the vertical mode shape of both wires at the stations as CSV."""
@@ -143,12 +143,5 @@ class Modes:
             for wire, name in enumerate(("contact", "messenger")):
                 head.append(f"{name} z, {frequency:.4f} Hz [1]")
                 columns.append(self.displacements[number, :, wire, 2])
-        return _csv(head, [[f"{value:.6g}" for value in row] for row in zip(*columns, strict=True)])
-
-
-def _csv(head: Any, rows: list[list[str]]) -> str:
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(rows)
-    return out.getvalue()
+        rows = zip(*columns, strict=True)
+        return csv_text(head, ([f"{value:.6g}" for value in row] for row in rows))

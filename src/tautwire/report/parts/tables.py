@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +11,10 @@ from tautwire.report.parts.views import WIDE_CUTOFF, filtered_or_none, headline_
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.files import write_text
 from tautwire.results.run import Run
+from tautwire.text import csv_text
 
 
-def dropper_table_csv(equilibrium: Equilibrium) -> str:
+def dropper_tablecsv_text(equilibrium: Equilibrium) -> str:
     """Return the dropper table of a static line as CSV, one row per dropper.
 
     Parameters
@@ -53,10 +51,10 @@ def dropper_table_csv(equilibrium: Equilibrium) -> str:
         ),
         strict=True,
     )
-    return _csv(head, rows)
+    return csv_text(head, rows)
 
 
-def force_history_csv(run: Run, pantograph: str | None = None) -> str:
+def force_historycsv_text(run: Run, pantograph: str | None = None) -> str:
     """Return the contact force of one pantograph over time and position as CSV.
 
     Parameters
@@ -93,29 +91,21 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
             if values is not None:
                 head.append(f"force, {lowpass.kind} low-pass {cutoff:g} Hz [N]")
                 columns.append(_texts(values, 4))
-    return _csv(head, zip(*columns, strict=True))
+    return csv_text(head, zip(*columns, strict=True))
 
 
 def write_dropper_table(equilibrium: Equilibrium, path: str | os.PathLike[str]) -> Path:
     """Write :func:`dropper_table_csv` to a file, completely or not at all."""
-    return write_text(path, dropper_table_csv(equilibrium))
+    return write_text(path, dropper_tablecsv_text(equilibrium))
 
 
 def write_force_history(
     run: Run, path: str | os.PathLike[str], pantograph: str | None = None
 ) -> Path:
     """Write :func:`force_history_csv` to a file, completely or not at all."""
-    return write_text(path, force_history_csv(run, pantograph))
+    return write_text(path, force_historycsv_text(run, pantograph))
 
 
 def _texts(values: np.ndarray, digits: int) -> list[str]:
     """Return numbers with a fixed count of decimals; not-a-number becomes an empty cell."""
     return [f"{value:.{digits}f}" if np.isfinite(value) else "" for value in values.tolist()]
-
-
-def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(rows)
-    return out.getvalue()
