@@ -14,7 +14,7 @@ from tautwire.results.run import Run
 from tautwire.text import csv_text
 
 
-def dropper_tablecsv_text(equilibrium: Equilibrium) -> str:
+def dropper_table_csv(equilibrium: Equilibrium) -> str:
     """Return the dropper table of a static line as CSV, one row per dropper.
 
     Parameters
@@ -54,7 +54,7 @@ def dropper_tablecsv_text(equilibrium: Equilibrium) -> str:
     return csv_text(head, rows)
 
 
-def force_historycsv_text(run: Run, pantograph: str | None = None) -> str:
+def force_history_csv(run: Run, pantograph: str | None = None) -> str:
     """Return the contact force of one pantograph over time and position as CSV.
 
     Parameters
@@ -96,14 +96,14 @@ def force_historycsv_text(run: Run, pantograph: str | None = None) -> str:
 
 def write_dropper_table(equilibrium: Equilibrium, path: str | os.PathLike[str]) -> Path:
     """Write :func:`dropper_table_csv` to a file, completely or not at all."""
-    return write_text(path, dropper_tablecsv_text(equilibrium))
+    return write_text(path, dropper_table_csv(equilibrium))
 
 
 def write_force_history(
     run: Run, path: str | os.PathLike[str], pantograph: str | None = None
 ) -> Path:
     """Write :func:`force_history_csv` to a file, completely or not at all."""
-    return write_text(path, force_historycsv_text(run, pantograph))
+    return write_text(path, force_history_csv(run, pantograph))
 
 
 def _texts(values: np.ndarray, digits: int) -> list[str]:
