@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import json
 import re
+from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -274,8 +275,9 @@ def test_animation_has_its_data(page: _Page, run: Run) -> None:
     [film] = json.loads(page.data["film-data"])
     assert len(film["supports"]) == run.case.line.spans + 1
     assert [p["name"] for p in film["pantographs"]] == ["front"]
-    moved = np.frombuffer(base64.b64decode(film["frames"]["contact"]["data"]), dtype="u1")
-    count, frames = film["frames"]["count"], run.snapshots.time.size
+    contact = film["frames"]["wires"][0]
+    moved = np.frombuffer(base64.b64decode(contact["moved"]["data"]), dtype="u1")
+    count, frames = contact["count"], run.snapshots.time.size
     assert moved.size == count * frames
     [canvas] = [attrs for tag, attrs in page.elements if tag == "canvas"]
     assert canvas["aria-label"]
@@ -285,9 +287,10 @@ def test_animation_has_its_data(page: _Page, run: Run) -> None:
 def test_animation_keeps_the_shape(page: _Page, run: Run) -> None:
     """Heights read back from the film equal the stored ones within half a step of 1/255."""
     [film] = json.loads(page.data["film-data"])
-    packed, frames = film["frames"]["contact"], run.snapshots.contact_z
+    contact, (_, frames) = film["frames"]["wires"][0], run.snapshots.of(0)
+    packed = contact["moved"]
     moved = np.frombuffer(base64.b64decode(packed["data"]), dtype="u1").astype(float)
-    still = np.frombuffer(base64.b64decode(film["frames"]["contactStill"]["data"]), dtype="<f4")
+    still = np.frombuffer(base64.b64decode(contact["still"]["data"]), dtype="<f4")
     heights = (packed["low"] + packed["step"] * moved).reshape(frames.shape) + still
     assert np.abs(heights - frames).max() <= 0.51 * packed["step"] + 1e-6
     assert packed["step"] < 1e-3
@@ -369,6 +372,18 @@ def test_names_are_escaped(tmp_path: Path) -> None:
     assert "<img src=x" not in text
     assert "&lt;/script&gt;" in text
     assert len(_Page(text).ids("section")) == len(SECTIONS)
+
+
+def test_policy_allows_the_scripts_of_the_page_alone(tmp_path: Path) -> None:
+    """Every script that runs has its SHA-256 in the policy; nothing else may run (CSP Level 3)."""
+    text = write_report([make_run(make_case(spans=3))], tmp_path / "r.html").read_text("utf-8")
+    policy = re.search(r"script-src ([^;]*);", text)
+    scripts = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    hashes = [base64.b64encode(sha256(script.encode()).digest()).decode() for script in scripts]
+    assert policy is not None
+    assert policy.group(1).split() == [f"'sha256-{value}'" for value in hashes]
+    assert len(hashes) == 3
+    assert not re.search(r"\son[a-z]+=", text.split("<body>")[1].split("<script>")[0])
 
 
 def test_partial_run_says_so(tmp_path: Path) -> None:
