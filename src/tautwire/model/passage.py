@@ -18,6 +18,9 @@ from tautwire.specs.pantograph import Pantograph
 LOWERED = 1.0
 """Distance of a lowered pantograph from the wire at the start [m]."""
 
+ROOM_AT_END = 0.1
+"""Distance from the far end that no pantograph passes [m]: a weighted end moves by centimetres."""
+
 
 @dataclass(frozen=True, eq=False)
 class Passage:
@@ -28,11 +31,14 @@ class Passage:
     pantographs : tuple of PantographInput
     duration : float s
         Until the leading pantograph has reached the far end of the line.
+    latest : float s
+        Until when it is on the modelled wire: a last step may not go beyond.
     warnings : tuple of str
     """
 
     pantographs: tuple[PantographInput, ...]
     duration: float
+    latest: float
     warnings: tuple[str, ...] = ()
 
 
@@ -82,7 +88,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
         )
         for spec, force, start in zip(case.pantographs, forces, heights, strict=True)
     )
-    return Passage(inputs, duration)
+    latest = (length - case.settings.start - ROOM_AT_END) / case.scenario.speed
+    return Passage(inputs, duration, latest)
 
 
 def _chain(spec: Pantograph) -> PantographChain:
