@@ -84,9 +84,8 @@ def in_balance(
     head, which therefore is the external force of the moving system.
     """
     chain, solver = given.chain, StaticSolver(system, increment=1e-10)
-    path = ContactWirePath(
-        system.contact_nodes, system.cable_length[: len(system.contact_nodes) - 1]
-    )
+    wire = system.paths[0]
+    path = ContactWirePath(wire.nodes, system.cables.length[wire.cables])
     flexibility = 1.0 / stiffness + float((1.0 / chain.stiffness[:-1]).sum())
     ground = given.start_height  # the base spring is slack with the head at the nominal height
     force, extra = given.uplift_force, np.zeros(system.dof_count)

@@ -17,6 +17,7 @@ from tautwire.numerics.elements import ancf
 from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions
+from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Grounds, Path, Ties, law_allows
 from tautwire.numerics.network.system import System, internal_force, lumped_mass
 from tautwire.numerics.newmark import Integrator, Newmark
 from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
@@ -39,32 +40,14 @@ def stretch_under(tension: float, axial_stiffness: float) -> float:
 
 def empty_system(node_count: int) -> System:
     """Return nodes without anything between them, all free."""
-    none, some = np.empty(0), np.zeros(6 * node_count)
+    some = np.zeros(6 * node_count)
     return System(
-        cable_nodes=np.empty((0, 2), dtype=np.int64),
-        cable_length=none,
-        cable_axial_stiffness=none,
-        cable_bending_stiffness=none,
-        cable_mass=none,
-        dropper_nodes=np.empty((0, 2), dtype=np.int64),
-        dropper_length=none,
-        dropper_stiffness=none,
-        arm_nodes=NOTHING,
-        arm_ends=np.empty((0, 3)),
-        arm_length=none,
-        arm_stiffness=none,
-        arm_mass=none,
-        spring_dofs=NOTHING,
-        spring_stiffness=none,
-        spring_damping=none,
-        spring_free=none,
+        cables=Cables.none(),
         node_mass=np.zeros(node_count),
         load=some.copy(),
         fixed=some.astype(bool),
         position=some.copy(),
-        damping_mass=0.0,
-        damping_stiffness=0.0,
-        contact_nodes=np.arange(node_count),
+        paths=(Path("contact", np.arange(node_count), np.arange(node_count - 1)),),
     )
 
 
@@ -75,13 +58,33 @@ def wire_elements(lengths: Array, *, axial: float, bending: float, mass: float) 
     position[1:, 0] = np.cumsum(lengths)
     position[:, 3] = 1.0
     return empty_system(count + 1).with_(
-        cable_nodes=np.stack([np.arange(count), np.arange(1, count + 1)], 1),
-        cable_length=np.asarray(lengths, dtype=float),
-        cable_axial_stiffness=np.full(count, axial),
-        cable_bending_stiffness=np.full(count, bending),
-        cable_mass=np.full(count, mass),
+        cables=Cables(
+            np.stack([np.arange(count), np.arange(1, count + 1)], 1),
+            np.asarray(lengths, dtype=float),
+            np.full(count, axial),
+            np.full(count, bending),
+            np.full(count, mass),
+        ),
         position=position.ravel(),
     )
+
+
+def rope(upper: int, lower: int, *, length: float, stiffness: float) -> Ties:
+    """Return one massless tie between two nodes that carries tension only."""
+    return Ties(
+        nodes=np.array([[upper, lower]]),
+        length=np.array([length]),
+        stiffness=np.array([stiffness]),
+        axial=np.array([np.nan]),
+        mass=np.zeros(1),
+        law=np.array([TENSION_ONLY]),
+    )
+
+
+def vertical_spring(node: int, stiffness: float, damping: float = 0.0) -> Grounds:
+    """Return a vertical spring-damper to ground at one node, slack at z = 0."""
+    matrix = np.diag([0.0, 0.0, 1.0])[None]
+    return Grounds(np.array([node]), stiffness * matrix, damping * matrix, np.zeros((1, 3)))
 
 
 def oscillator(mass: float, stiffness: float, damping: float = 0.0) -> System:
@@ -90,16 +93,9 @@ def oscillator(mass: float, stiffness: float, damping: float = 0.0) -> System:
     fixed = np.ones(18, dtype=bool)
     fixed[14] = False
     return system.with_(
-        cable_nodes=system.cable_nodes[:1],
-        cable_length=np.ones(1),
-        cable_axial_stiffness=np.ones(1),
-        cable_bending_stiffness=np.ones(1),
-        cable_mass=np.ones(1),
-        contact_nodes=np.arange(2),
-        spring_dofs=np.array([14]),
-        spring_stiffness=np.array([stiffness]),
-        spring_damping=np.array([damping]),
-        spring_free=np.zeros(1),
+        cables=Cables(system.cables.nodes[:1], np.ones(1), np.ones(1), np.ones(1), np.ones(1)),
+        paths=(Path("contact", np.arange(2), np.arange(1)),),
+        grounds=vertical_spring(2, stiffness, damping),
         node_mass=np.array([0.0, 0.0, mass]),
         fixed=fixed,
     )
@@ -140,10 +136,8 @@ def hang(system: System, gravity: float) -> Form:
     problem = FormProblem(
         system=system,
         held=held.ravel(),
-        cable_slot=6 * system.cable_nodes[:, 1],
-        dropper_slot=NOTHING,
-        dropper_mass=0.0,
-        dropper_axial_stiffness=None,
+        cable_slot=6 * system.cables.nodes[:, 1],
+        tie_slot=NOTHING,
         gravity=gravity,
         taut=np.empty(0, dtype=bool),
     )
@@ -152,20 +146,29 @@ def hang(system: System, gravity: float) -> Form:
 
 def kinetic_energy(system: System, v: Array) -> float:
     """Return the kinetic energy of wires and lumped masses [J]; arms as bars."""
-    e = system.cable_coordinates(v)
-    m = ancf.mass_matrix(system.cable_length, system.cable_mass)
+    cables, stays = system.cables, system.stays
+    e = cables.coordinates(v)
+    m = ancf.mass_matrix(cables.length, cables.mass)
     total = 0.5 * np.einsum("ian,ijn,jan->", e, m, e) + 0.5 * lumped_mass(system) @ v**2
-    arm = v.reshape(-1, 6)[system.arm_nodes, :3]
-    return float(total + np.sum(system.arm_mass[:, None] * arm**2) / 6.0)
+    arm = v.reshape(-1, 6)[stays.node, :3]
+    return float(total + np.sum(stays.mass[:, None] * arm**2) / 6.0)
 
 
 def potential_energy(system: System, q: Array) -> float:
-    """Return the energy of wires, taut droppers, arms and springs, less the work of the loads."""
-    total = ancf.energy(system.cable_coordinates(q), system.section).sum()
-    elongation = system.dropper_state(q).length - system.dropper_length
-    total += 0.5 * system.dropper_stiffness @ np.maximum(elongation, 0.0) ** 2
-    total += 0.5 * system.arm_stiffness @ (system.arm_state(q).length - system.arm_length) ** 2
-    total += 0.5 * system.spring_stiffness @ (q[system.spring_dofs] - system.spring_free) ** 2
+    """Return the energy of cables, ties, clamps, stays and grounds, less the work of the loads."""
+    cables, ties, clamps = system.cables, system.ties, system.clamps
+    stays, grounds = system.stays, system.grounds
+    total = ancf.energy(cables.coordinates(q), cables.section).sum()
+    elongation = ties.state(q).length - ties.length
+    elongation = np.where(law_allows(ties.law, elongation), elongation, 0.0)
+    total += 0.5 * ties.stiffness @ elongation**2
+    r = q.reshape(-1, 6)[:, :3]
+    apart = r[clamps.nodes[:, 1]] - r[clamps.nodes[:, 0]] - clamps.offset
+    total += 0.5 * clamps.stiffness @ np.sum(apart**2, axis=1)
+    elongation = stays.state(q).length - stays.length
+    elongation = np.where(law_allows(stays.law, elongation), elongation, 0.0)
+    total += 0.5 * stays.stiffness @ elongation**2
+    total += 0.5 * np.sum(grounds.pull(q) * (r[grounds.node] - grounds.free))
     return float(total - system.load @ q)
 
 

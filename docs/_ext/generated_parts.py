@@ -18,10 +18,20 @@ Schema = dict[str, Any]
 
 
 def input_reference() -> str:
-    """Return one section with a table for every spec of an input file."""
+    """Return one section with a table for every spec of a case file."""
     from tautwire.specs.case import Case
 
-    schema = Case.model_json_schema(by_alias=True)
+    return _reference_of(Case.model_json_schema(by_alias=True))
+
+
+def span_table_reference() -> str:
+    """Return one section with a table for every spec of a file of a span table."""
+    from tautwire.specs.span_table import SpanTable
+
+    return _reference_of(SpanTable.model_json_schema(by_alias=True))
+
+
+def _reference_of(schema: Schema) -> str:
     places = _places(schema)
     parts = [_spec_section(schema, ["the file"])]
     for name, spec in _in_order(schema, places):
@@ -202,6 +212,7 @@ def _case_table(case: str, rows: list[dict[str, Any]]) -> str:
 MARKERS: dict[str, Callable[[], str]] = {
     "<!-- input reference -->": input_reference,
     "<!-- command reference -->": command_reference,
+    "<!-- span table reference -->": span_table_reference,
     "<!-- validation table -->": validation_table,
 }
 

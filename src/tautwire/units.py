@@ -95,6 +95,7 @@ _KINDS = {
     "m/s": ("a speed", "320 km/h"),
     "m/s^2": ("an acceleration", "9.81 m/s^2"),
     "kg/m": ("a mass per length", "1.35 kg/m"),
+    "kg/m^3": ("a density", "1.25 kg/m^3"),
     "N/m": ("a stiffness", "200 kN/m"),
     "N s/m": ("a damping", "1000 N s/m"),
     "N m^2": ("a bending stiffness", "195 N m^2"),

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from tautwire.errors import InputError
 from tautwire.studies.execution.cluster import DaskCluster
 from tautwire.studies.execution.executor import Event, LocalWorkers, StudyError
 from tautwire.studies.execution.task import Job
@@ -24,6 +18,7 @@ from tautwire.studies.plan import plan_study
 from tautwire.studies.run import Options, StudyProgress, run_study
 
 from .conftest import HERE, Place, seeds
+from .local_cluster import Cluster
 
 pytest.importorskip("distributed", reason="Dask is not installed")
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
@@ -32,58 +27,14 @@ NAP = Options(task="slow_tasks:nap")
 NAP_ON = Options(task="slow_tasks:nap", resume=True)
 
 
-@dataclass(frozen=True)
-class Cluster:
-    """Processes of a cluster on this machine."""
-
-    address: str
-    scheduler: subprocess.Popen[bytes]
-    workers: list[subprocess.Popen[bytes]]
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture
 def cluster(place: Place, tmp_path: Path) -> Iterator[Cluster]:
     """A scheduler and two workers with one thread each."""
-    port, paths = _free_port(), os.pathsep.join([str(HERE), *filter(None, sys.path)])
-    address = f"tcp://127.0.0.1:{port}"
-    common: dict[str, Any] = {
-        "env": {**os.environ, "PYTHONPATH": paths},
-        "stdout": subprocess.DEVNULL,
-        "stderr": subprocess.DEVNULL,
-        "cwd": tmp_path,
-    }
-    tool = [sys.executable, "-m"]
-    scheduler = subprocess.Popen(
-        [*tool, "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port),
-         "--no-dashboard", "--no-show"], **common)  # fmt: skip
-    worker = [*tool, "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny",
-              "--no-dashboard"]  # fmt: skip
-    workers = [subprocess.Popen(worker, **common) for _ in range(2)]
-    _wait_for_workers(address)
-    yield Cluster(address, scheduler, workers)
-    for process in (*workers, scheduler):
-        process.kill()
-        process.wait()
-
-
-def _wait_for_workers(address: str) -> None:
-    from distributed import Client
-
-    end = time.monotonic() + 60.0
-    while time.monotonic() < end:
-        try:
-            with Client(address, timeout=2, set_as_default=False) as client:
-                client.wait_for_workers(2, timeout=30)
-                return
-        except OSError:
-            time.sleep(0.2)
-    pytest.fail("the cluster did not start")
+    with Cluster(tmp_path, HERE) as running:
+        for _ in range(2):
+            running.add_worker()
+        running.wait_for_workers(2)
+        yield running
 
 
 def test_cluster_computes_what_processes_compute(cluster: Cluster, place: Place) -> None:
@@ -199,10 +150,3 @@ def test_failing_case_on_a_cluster(cluster: Cluster, place: Place) -> None:
     table = run_study(seeds(5), place.folder, executor=executor, options=options)
     assert table.counts() == {"done": 2, "failed": 3, "refused": 0, "missing": 0}
     assert table.failures()[0].cases == (1, 4)
-
-
-def test_no_scheduler_there(place: Place) -> None:
-    """An address at which nothing answers is refused before anything is computed."""
-    executor = DaskCluster(f"tcp://127.0.0.1:{_free_port()}", place.folder, timeout=1.0)
-    with pytest.raises(InputError, match="no Dask scheduler answers there"):
-        run_study(seeds(2), place.folder, executor=executor, options=NAP)

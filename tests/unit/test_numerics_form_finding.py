@@ -40,7 +40,7 @@ def test_bordered_matrix_is_the_derivative_of_the_residual(variant: str) -> None
     to 1e-6: gravity and dropper stiffness follow the lengths (theory, section 2)."""
     finder = _FormFinder(build(ac_simple(line__spans=2, **VARIANTS[variant])).form)
     start = finder.problem.system
-    x = np.concatenate([start.position, start.cable_length, start.dropper_length])
+    x = np.concatenate([start.position, start.cables.length, start.ties.length])
     matrix = unfolded(
         finder.bordered_band(finder.unpack(x), finder.pattern.bandwidth), finder.pattern.bandwidth
     )
@@ -61,8 +61,8 @@ def test_prescribed_values_are_kept(variant: str) -> None:
     before, after = problem.system.position, form.system.position
     kept = problem.held.copy()
     kept[problem.cable_slot] = True
-    kept[problem.dropper_slot[problem.dropper_slot >= 0]] = True
+    kept[problem.tie_slot[problem.tie_slot >= 0]] = True
     assert form.newton.status is Status.DONE
     assert np.array_equal(before[kept], after[kept])
-    given = problem.dropper_slot < 0
-    assert np.array_equal(problem.system.dropper_length[given], form.system.dropper_length[given])
+    given = problem.tie_slot < 0
+    assert np.array_equal(problem.system.ties.length[given], form.system.ties.length[given])

@@ -108,6 +108,20 @@ def test_arrays_over_the_axes(table: StudyTable) -> None:
     assert "wave speed" in table.reason[2, 0]
 
 
+def test_mixed_kernels_are_named(tmp_path: Path) -> None:
+    """A table whose rows come from different kernels says which; one of one kind says nothing."""
+    plan = make_plan({"scenario.speed": ["250 km/h", "260 km/h", "270 km/h"]})
+    store = Store(tmp_path)
+    for point, backend in zip(plan.points, ("native (AVX2)", "native (AVX-512)"), strict=False):
+        row = made_row(plan.coordinates(point), 1)
+        row["values"]["backend"] = backend
+        store.save(point.key, row)
+        told = collect(plan, store).mixture()
+        assert bool(told) == (backend == "native (AVX-512)")
+    assert "native (AVX-512): 1 cases, native (AVX2): 1 cases" in told
+    assert collect(plan, store).backend.tolist() == ["native (AVX2)", "native (AVX-512)", ""]
+
+
 def test_unknown_quantity_is_refused(table: StudyTable) -> None:
     """A quantity that the table does not hold is refused with those it holds."""
     with pytest.raises(InputError, match=r"holds no 'sigma'; it holds: .*std"):

@@ -137,7 +137,7 @@ def test_state_that_is_not_finite_is_an_error() -> None:
 def test_leaving_the_wire_is_told() -> None:
     """A pantograph that runs off the end of the wire stops the integration with its status."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))
-    end = system.position[6 * system.contact_nodes[-1]]
+    end = system.position[6 * system.paths[0].nodes[-1]]
     late = tuple(moved(p, start_x=float(end) - 0.5) for p in pantographs)
     options = StepOptions(Newmark(), 1e-3, 2e5)
     for choice in ("native", "reference"):

@@ -153,7 +153,7 @@ def hanging(elements: int, tension: float, axial: float) -> tuple[float, float, 
     assert form.newton.status is Status.DONE
     pull = form.reactions[:3]
     sag = -form.system.position.reshape(-1, 6)[elements // 2, 2]
-    length = form.system.cable_length.sum()
+    length = form.system.cables.length.sum()
     return float(sag), float(length), float(np.linalg.norm(pull)), float(pull[2])
 
 
@@ -263,7 +263,7 @@ def test_anchored_string_under_a_large_force() -> None:
     tension N(l) of its two straight halves; solved exactly, met within 0.5 %."""
     axial, force = CONTACT_WIRE["axial"], 2000.0
     wire = straight_wire(SPAN, 200, bending=1e-3)
-    rest = wire.cable_length.sum()
+    rest = wire.cables.length.sum()
 
     def fault(w: float) -> float:
         half = float(np.hypot(0.5 * SPAN, w))

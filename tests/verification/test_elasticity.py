@@ -140,7 +140,7 @@ def full_newton(system: System, extra: Array) -> Array:
         return np.where(system.fixed, 0.0, r)
 
     def direction(q: Array, r: Array) -> Array:
-        taut = internal_force(system, q).dropper_axial > 0.0
+        taut = internal_force(system, q).tie_axial > 0.0
         k = pattern.csr(pattern.values(tangent_parts(system, q, taut=taut))).tocsc()
         step = np.zeros(system.dof_count)
         step[free] = spsolve(k[free][:, free], -r[free])

@@ -39,7 +39,7 @@ def plucked(system: System, force: float) -> Array:
     """Return the coordinates under a vertical force at mid-span, about to be released."""
     extra = np.zeros(system.dof_count)
     middle = system.position[0] + 27.5
-    station = int(np.argmin(np.abs(system.position[system.contact_nodes * 6] - middle)))
+    station = int(np.argmin(np.abs(system.position[system.paths[0].nodes * 6] - middle)))
     extra[12 * station + 2] = force
     response = StaticSolver(system).solve(extra)
     assert response.status is Status.DONE

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tautwire.numerics.network.system import System, weight_load
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
 
-from ..lines import ac_simple, oscillator, passage, stepper, wire_elements
+from ..lines import ac_simple, oscillator, passage, rope, stepper, wire_elements
 
 Array = NDArray[np.float64]
 METHODS: list[Integrator] = [Newmark(), HHT(-0.05), HHT(-0.3)]
@@ -86,12 +86,9 @@ def pendulum() -> tuple[System, Array]:
     load = np.zeros(18)
     load[14] = -9.81
     system = base.with_(
-        spring_stiffness=np.zeros(1),
         fixed=free,
         load=load,
-        dropper_nodes=np.array([[1, 2]]),
-        dropper_length=np.array([0.9]),
-        dropper_stiffness=np.array([300.0]),
+        ties=rope(1, 2, length=0.9, stiffness=300.0),
     )
     q = system.position.copy()
     q[12:15] = [1.55, 0.2, -0.72]
@@ -104,7 +101,7 @@ def whip() -> tuple[System, Array]:
     wire = wire_elements(np.full(2, 0.5), axial=40.0, bending=0.05, mass=1.0)
     fixed = np.zeros(wire.dof_count, dtype=bool)
     fixed[:3] = True
-    return wire.with_(fixed=fixed, load=weight_load(wire, 0.0, 9.81)), wire.position
+    return wire.with_(fixed=fixed, load=weight_load(wire, 9.81)), wire.position
 
 
 @pytest.mark.parametrize("problem", [pendulum, whip])

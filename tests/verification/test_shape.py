@@ -120,7 +120,7 @@ def test_weight_is_that_of_the_parts(line: str) -> None:
     """The weight is g times wires, droppers, clamps and whole arms (or spring masses)."""
     case = ac_simple(**LINES[line])
     _, shape, system = found(case)
-    mass = system.cable_mass @ system.cable_length
+    mass = system.cables.mass @ system.cables.length
     mass += 0.117 * shape.dropper_lengths_unstrained.sum()
     mass += len(shape.dropper_x) * (0.165 + 0.195)
     spring = case.supports.spring

@@ -92,7 +92,7 @@ def test_vanishing_second_pantograph_changes_nothing() -> None:
     leaves the run of the first unchanged to 1e-9."""
     system, (front, rear) = entering(train(2))
     low = moved(rear, start_height=rear.start_height - 0.3, uplift_force=-50.0)
-    wire = 6 * system.contact_nodes[::20] + 2
+    wire = 6 * system.paths[0].nodes[::20] + 2
     run = stepper(
         system,
         1e-3,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
 
 from tautwire.errors import InputError
+from tautwire.specs.base import FORMS, ContradictionError
 
 Entry = TypeVar("Entry", bound=BaseModel)
 
@@ -68,11 +71,22 @@ def _parse(text: str, name: str, model: type[Entry]) -> Entry:
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise InputError([_sentence(name, fault) for fault in error.errors()]) from None
+        faults = [text for fault in error.errors() for text in _sentences(name, fault)]
+        raise InputError(faults) from None
 
 
-def _sentence(name: str, fault: Any) -> str:
+def _sentences(name: str, fault: ErrorDetails) -> list[str]:
+    cause = fault.get("ctx", {}).get("error")
+    if isinstance(cause, ContradictionError):
+        return [f"{name}: {_place((*fault['loc'], *p.path))}: {p.text}" for p in cause.problems]
+    text = str(cause) if isinstance(cause, ValueError) else fault["msg"]
+    return [f"{name}: {_place(fault['loc'])}: {text}"]
+
+
+def _place(steps: Iterable[str | int]) -> str:
+    """Return the path of a value as it is counted in the file."""
     path = ""
-    for step in fault["loc"]:
-        path += f"[{step + 1}]" if isinstance(step, int) else f".{step}"
-    return f"{name}: {path.lstrip('.') or 'the file'}: {fault['msg']}"
+    for step in steps:
+        if step not in FORMS:
+            path += f"[{step + 1}]" if isinstance(step, int) else f".{step}"
+    return path.lstrip(".") or "the file"

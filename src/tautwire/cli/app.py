@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tautwire.cli import high_frequency
+from tautwire.cli import design, high_frequency
 from tautwire.cli.options import (
     CaseArgument,
     FreeUpliftOption,
@@ -330,3 +330,4 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
 
 
 high_frequency.register(app)
+design.register(app)

@@ -75,7 +75,17 @@ def study(
         typer.Option(
             "--cluster",
             metavar="ADDRESS",
-            help='Compute on a Dask cluster, as in "tcp://host:8786".',
+            help='Compute on a Dask cluster, as in "tls://host:8786". On tcp:// whoever reaches '
+            "the scheduler can run code on it.",
+            show_default=False,
+        ),
+    ] = None,
+    tls: Annotated[
+        Path | None,
+        typer.Option(
+            "--tls",
+            metavar="DIR",
+            help="Certificates for tls://: ca.pem, cert.pem, key.pem.",
             show_default=False,
         ),
     ] = None,
@@ -97,7 +107,7 @@ def study(
         from tautwire.studies.run import Options
 
         options = Options(resume=resume or retry_failed, retry_failed=retry_failed)
-        run_study_file(answer, StudyRequest(study_file, workers, cluster, options, out))
+        run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out))
 
 
 def advise(

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import ModelError
 from tautwire.model.mesh import CONTACT, Mesh
+from tautwire.numerics.network.parts import BOTH_WAYS, Stays
 from tautwire.specs.case import Case
+from tautwire.specs.line.support import Arm
 
 Array = NDArray[np.float64]
 
 
-def given_arms(case: Case, mesh: Mesh, height: Array, y: Array) -> dict[str, Any]:
-    """Return the arm arrays of the system; empty unless far ends are given.
+def given_arms(case: Case, mesh: Mesh, height: Array, y: Array) -> Stays:
+    """Return the steady arms of the system; none unless far ends are given.
 
     Parameters
     ----------
@@ -29,13 +29,21 @@ def given_arms(case: Case, mesh: Mesh, height: Array, y: Array) -> dict[str, Any
     spec = case.supports
     count = len(mesh.support_station) - 2 if spec.closure == "arm" else 0
     stations = mesh.support_station[1:-1][:count]
-    return {
-        "arm_nodes": 2 * stations + CONTACT,
-        "arm_ends": _far_ends(case, mesh, height, y) if count else np.empty((0, 3)),
-        "arm_length": np.full(count, spec.arm.length),
-        "arm_stiffness": np.full(count, spec.arm.axial_stiffness / spec.arm.length),
-        "arm_mass": np.full(count, spec.arm.mass * spec.arm.length),
-    }
+    ends = _far_ends(case, mesh, height, y) if count else np.empty((0, 3))
+    return steady_arms(spec.arm, 2 * stations + CONTACT, ends)
+
+
+def steady_arms(arm: Arm, nodes: NDArray[np.int64], ends: Array) -> Stays:
+    """Return equal steady arms at some nodes, ``(n_arm,)``, with far ends ``(n_arm, 3)`` [m]."""
+    count = len(nodes)
+    return Stays(
+        node=nodes,
+        end=ends,
+        length=np.full(count, arm.length),
+        stiffness=np.full(count, arm.axial_stiffness / arm.length),
+        mass=np.full(count, arm.mass * arm.length),
+        law=np.full(count, BOTH_WAYS),
+    )
 
 
 def _far_ends(case: Case, mesh: Mesh, height: Array, y: Array) -> Array:

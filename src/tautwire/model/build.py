@@ -11,6 +11,7 @@ from tautwire.model.arms import given_arms
 from tautwire.model.guess import StringWire, coupled_shape, string_shape
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.model.mesh import CONTACT, MESSENGER, Mesh, divide
+from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Path, Rayleigh, Ties
 from tautwire.numerics.network.system import System
 from tautwire.numerics.statics.form_finding import FormProblem
 from tautwire.results.irregularity import DrawnIrregularities
@@ -71,14 +72,11 @@ def build(case: Case) -> Model:
     drawn = draw_irregularities(case)
     guess = _guess(case, mesh, supports, loads, drawn)
     system = _system(case, mesh, supports, guess, lumped)
-    axial = case.droppers.stiffness.axial
     problem = FormProblem(
         system=system.with_(load=_constant_loads(case, mesh, loads)),
         held=_held(case, mesh),
-        cable_slot=6 * system.cable_nodes[:, 1],
-        dropper_slot=_dropper_slots(case, mesh),
-        dropper_mass=case.droppers.mass,
-        dropper_axial_stiffness=None if axial is None else np.full(len(mesh.dropper_x), axial),
+        cable_slot=6 * system.cables.nodes[:, 1],
+        tie_slot=_dropper_slots(case, mesh),
         gravity=case.line.gravity,
         taut=np.ones(len(mesh.dropper_x), dtype=bool),
     )
@@ -233,29 +231,35 @@ def _system(
         position[:, wire, 1] = stretch * direction
     per_wire = np.repeat([[w.axial_stiffness, w.bending_stiffness, w.mass] for w in wires],
                          n - 1, axis=0)  # fmt: skip
-    arms = given_arms(case, mesh, supports.contact_height, supports.contact_y)
-    dropper_k = [case.droppers.stiffness.of_length(length) for length in guess.dropper_length]
+    nodes = [np.stack([mesh.nodes(w)[:-1], mesh.nodes(w)[1:]], 1) for w in (CONTACT, MESSENGER)]
     return System(
-        cable_nodes=np.concatenate(
-            [np.stack([mesh.nodes(w)[:-1], mesh.nodes(w)[1:]], 1) for w in (CONTACT, MESSENGER)]
+        cables=Cables(
+            np.concatenate(nodes),
+            np.concatenate(lengths),
+            axial=per_wire[:, 0],
+            bending=per_wire[:, 1],
+            mass=per_wire[:, 2],
         ),
-        cable_length=np.concatenate(lengths),
-        cable_axial_stiffness=per_wire[:, 0],
-        cable_bending_stiffness=per_wire[:, 1],
-        cable_mass=per_wire[:, 2],
-        dropper_nodes=2 * mesh.dropper_station[:, None] + np.array([MESSENGER, CONTACT]),
-        dropper_length=guess.dropper_length,
-        dropper_stiffness=np.array(dropper_k),
-        **arms,
-        spring_dofs=np.empty(0, dtype=np.int64),
-        spring_stiffness=np.empty(0),
-        spring_damping=np.empty(0),
-        spring_free=np.empty(0),
+        ties=_droppers(case, mesh, guess.dropper_length),
+        stays=given_arms(case, mesh, supports.contact_height, supports.contact_y),
         node_mass=lumped,
         load=np.zeros(12 * n),
         fixed=np.zeros(12 * n, dtype=bool),
         position=position.ravel(),
-        damping_mass=case.line.damping.mass,
-        damping_stiffness=case.line.damping.stiffness,
-        contact_nodes=mesh.nodes(CONTACT),
+        paths=(Path("contact", mesh.nodes(CONTACT), np.arange(n - 1)),),
+        damping=Rayleigh(case.line.damping.mass, case.line.damping.stiffness),
+    )
+
+
+def _droppers(case: Case, mesh: Mesh, lengths: Array) -> Ties:
+    """Return the droppers at guessed unstrained lengths."""
+    spec, count = case.droppers, len(lengths)
+    stiffness = [spec.stiffness.of_length(length) for length in lengths]
+    return Ties(
+        nodes=2 * mesh.dropper_station[:, None] + np.array([MESSENGER, CONTACT]),
+        length=lengths,
+        stiffness=np.array(stiffness),
+        axial=np.full(count, np.nan if spec.stiffness.axial is None else spec.stiffness.axial),
+        mass=np.full(count, spec.mass),
+        law=np.full(count, TENSION_ONLY),
     )

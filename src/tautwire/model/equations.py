@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.model.arms import steady_arms
 from tautwire.model.build import Model, arm_half_weight, interior_support_nodes
 from tautwire.model.mesh import CONTACT, MESSENGER
+from tautwire.numerics.network.parts import Grounds, Stays
 from tautwire.numerics.network.system import System, weight_load
 from tautwire.results.equilibrium import Equilibrium
 
@@ -33,25 +35,20 @@ def equations(model: Model, shape: Equilibrium) -> System:
     """
     case, mesh = model.case, model.mesh
     hold = _vertical_hold(model, shape)
-    system = model.form.system.with_(
+    built = model.form.system
+    system = built.with_(
         position=shape.position,
-        cable_length=shape.cable_lengths,
-        dropper_length=shape.dropper_lengths_unstrained,
+        cables=built.cables.with_(length=shape.cable_lengths),
+        ties=built.ties.of_length(shape.dropper_lengths_unstrained),
+        stays=_arms(model, shape, hold),
+        grounds=_grounds(model, shape, hold),
         fixed=_fixed(model, hold),
         load=_static_loads(model, shape, hold),
-        **_arms(model, shape, hold),
-        **_springs(model, shape, hold),
     )
-    axial = model.form.dropper_axial_stiffness
-    if axial is not None:
-        system = system.with_(dropper_stiffness=axial / system.dropper_length)
-    half = 0.5 * case.droppers.mass * system.dropper_length
-    mass = system.node_mass.copy()
-    mass[2 * mesh.dropper_station + CONTACT] += half
-    mass[2 * mesh.dropper_station + MESSENGER] += half
+    mass = system.node_mass + system.ties.hanging_mass(system.node_count)
     if hold is not None:
         mass[interior_support_nodes(mesh, CONTACT)] += hold.added_mass
-    weight = weight_load(system, case.droppers.mass, case.line.gravity)
+    weight = weight_load(system, case.line.gravity)
     return system.with_(node_mass=mass, load=system.load + weight)
 
 
@@ -127,39 +124,41 @@ def _static_loads(model: Model, shape: Equilibrium, hold: _VerticalHold | None) 
     return load.ravel()
 
 
-def _arms(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> dict[str, Any]:
+def _arms(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> Stays:
     """Return the swinging arms."""
     count = len(shape.arm_supports) if hold is None else 0
-    spec = model.case.supports.arm
-    return {
-        "arm_nodes": 2 * model.mesh.support_station[shape.arm_supports[:count] - 1] + CONTACT,
-        "arm_ends": shape.arm_ends[:count],
-        "arm_length": np.full(count, spec.length),
-        "arm_stiffness": np.full(count, spec.axial_stiffness / spec.length),
-        "arm_mass": np.full(count, spec.mass * spec.length),
-    }
+    nodes = 2 * model.mesh.support_station[shape.arm_supports[:count] - 1] + CONTACT
+    return steady_arms(model.case.supports.arm, nodes, shape.arm_ends[:count])
 
 
-def _springs(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> dict[str, Any]:
-    """Return the grounded springs: messenger-wire supports, vertical springs of the contact wire.
+def _grounds(model: Model, shape: Equilibrium, hold: _VerticalHold | None) -> Grounds:
+    """Return the springs to ground: messenger-wire supports, vertical springs of the contact wire.
 
     The preload of the latter is a load; the spring itself counts from the static height, which
     includes springs without stiffness (constant-force supports).
     """
     spec, mesh = model.case.supports, model.mesh
-    dofs = [6 * interior_support_nodes(mesh, MESSENGER) + 2]
-    stiffness = [np.full(len(dofs[0]), spec.messenger_stiffness)]
-    damping = [np.full(len(dofs[0]), spec.messenger_damping)]
-    free = [shape.messenger_free_heights]
-    if hold is not None:
-        nodes = interior_support_nodes(mesh, CONTACT)
-        dofs += [6 * nodes, 6 * nodes + 2]
-        stiffness += [hold.along, hold.stiffness]
-        damping += [0.0 * hold.damping, hold.damping]
-        free += [shape.support_x[1:-1], shape.support_heights[1:-1]]
-    return {
-        "spring_dofs": np.concatenate(dofs),
-        "spring_stiffness": np.concatenate(stiffness),
-        "spring_damping": np.concatenate(damping),
-        "spring_free": np.concatenate(free),
-    }
+    nodes = interior_support_nodes(mesh, MESSENGER)
+    zeros, ones = np.zeros(len(nodes)), np.ones(len(nodes))
+    messenger = Grounds(
+        nodes,
+        _along_axes(zeros, spec.messenger_stiffness * ones),
+        _along_axes(zeros, spec.messenger_damping * ones),
+        np.column_stack([zeros, zeros, shape.messenger_free_heights]),
+    )
+    if hold is None:
+        return messenger
+    contact = Grounds(
+        interior_support_nodes(mesh, CONTACT),
+        _along_axes(hold.along, hold.stiffness),
+        _along_axes(zeros, hold.damping),
+        np.column_stack([shape.support_x[1:-1], zeros, shape.support_heights[1:-1]]),
+    )
+    return Grounds.joined(messenger, contact)
+
+
+def _along_axes(along: Array, vertical: Array) -> Array:
+    """Return diagonal matrices ``(n, 3, 3)`` that act along the track and vertically."""
+    matrix = np.zeros((len(along), 3, 3))
+    matrix[:, 0, 0], matrix[:, 2, 2] = along, vertical
+    return matrix

@@ -22,7 +22,7 @@ SAMPLE, CASE = "sample", "case"
 MOST_CASES = 100_000
 
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_RESERVED = frozenset(columns.NAMES) | {CASE, SAMPLE, "status", "reason", "key"}
+_RESERVED = frozenset(columns.NAMES) | {CASE, SAMPLE, "status", "reason", "key", "backend"}
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -105,7 +106,8 @@ def write_whole(path: Path, content: bytes) -> None:
 class FolderLock:
     """Keeps two studies from computing in one folder at the same time.
 
-    The operating system releases the lock when the process ends, however it ends.
+    The operating system releases the lock when the process ends, however it ends. A folder in which
+    nothing else was written is left as it was found.
 
     Parameters
     ----------
@@ -126,7 +128,7 @@ class FolderLock:
                 f"{self._path.parent}: cannot be written to ({error.strerror or error}); choose "
                 "another folder"
             ) from None
-        if not _lock(self._file):
+        if not _lock(self._file) or not _is_at(self._file, self._path):
             self._file.close()
             raise InputError(
                 f"{self._path.parent}: another study is computing in this folder; wait for it, or "
@@ -135,8 +137,20 @@ class FolderLock:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._file is not None:
-            self._file.close()
+        if self._file is None:
+            return
+        with suppress(OSError):  # the folder may have been moved away, or its disk be gone
+            if list(self._path.parent.iterdir()) == [self._path]:
+                self._path.unlink()
+        self._file.close()
+
+
+def _is_at(file: IO[bytes], path: Path) -> bool:
+    """Say whether an open file still has its name: the last holder of a lock may remove it."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except OSError:
+        return False
 
 
 def _lock(file: IO[bytes]) -> bool:

@@ -22,6 +22,12 @@ from tautwire.studies.plan import Plan
 from tautwire.studies.store import Row, Store
 
 REFUSED, MISSING = "refused", "missing"
+_TEXTS = {
+    "status": "done, failed, refused (by validation) or missing",
+    "reason": "why the case failed",
+    "key": "what identifies the result: input, version, what is computed",
+    "backend": "kernels that computed the case",
+}
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -80,8 +86,9 @@ class StudyTable:
         Names along pantograph, filter and band.
     variables : mapping of str to Variable
         Numbers; NaN where a case has none.
-    status, reason, key : arrays of str over the dimensions
-        ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed).
+    status, reason, key, backend : arrays of str over the dimensions
+        ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed);
+        why; what identifies the result; the kernels that computed it.
     """
 
     study: Study
@@ -91,6 +98,7 @@ class StudyTable:
     status: NDArray[np.object_]
     reason: NDArray[np.object_]
     key: NDArray[np.object_]
+    backend: NDArray[np.object_]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -107,6 +115,16 @@ class StudyTable:
         states, numbers = np.unique(self.status.astype(str), return_counts=True)
         found = dict(zip(states.tolist(), numbers.tolist(), strict=True))
         return {state: found.get(state, 0) for state in ("done", "failed", REFUSED, MISSING)}
+
+    def mixture(self) -> str:
+        """Say which kernels computed how many cases, when they were not all the same; else ''."""
+        kernels, numbers = np.unique(
+            self.backend[self.backend != ""].astype(str), return_counts=True
+        )
+        if len(kernels) < 2:
+            return ""
+        listed = ", ".join(f"{name}: {n} cases" for name, n in zip(kernels, numbers, strict=True))
+        return f"cases were computed by different kernels, equal but for the last digits ({listed})"
 
     def __getitem__(self, name: str) -> Variable:
         """Return a variable by name."""
@@ -144,10 +162,10 @@ class StudyTable:
         writer = csv.writer(out, lineterminator="\n")
         flat = list(self._flat())
         axes = [_headed(axis.name, axis.unit) for axis in self.axes]
-        writer.writerow(["case", *axes, "status", "reason", "key", *(head for head, _ in flat)])
+        writer.writerow(["case", *axes, *_TEXTS, *(head for head, _ in flat)])
         for number, index in enumerate(np.ndindex(*self.status.shape)):
             values = [_cell(column[number]) for _, column in flat]
-            texts = [self.status[index], self.reason[index], self.key[index]]
+            texts = [values_of[index] for values_of in self._told().values()]
             writer.writerow([number + 1, *self._place(index), *texts, *values])
         return out.getvalue()
 
@@ -158,8 +176,7 @@ class StudyTable:
         for number, index in enumerate(np.ndindex(*self.status.shape)):
             axes = zip(self.axes, self._place(index), strict=True)
             row = {"case": number + 1, **{axis.name: value for axis, value in axes}}
-            row |= {"status": self.status[index], "reason": self.reason[index]}
-            row |= {"key": self.key[index]}
+            row |= {name: values[index] for name, values in self._told().items()}
             found.append(row | {head: float(column[number]) for head, column in flat})
         return found
 
@@ -209,15 +226,13 @@ class StudyTable:
         return xarray.Dataset(variables, coordinates, {"study": self.study.name})
 
     def _texts(self) -> dict[str, Variable]:
-        given = {
-            "status": (self.status, "done, failed, refused (by validation) or missing"),
-            "reason": (self.reason, "why the case failed"),
-            "key": (self.key, "what identifies the result: input, version, what is computed"),
-        }
         return {
-            name: Variable(Quantity(name, "1", text), self.names, values)
-            for name, (values, text) in given.items()
+            name: Variable(Quantity(name, "1", _TEXTS[name]), self.names, values)
+            for name, values in self._told().items()
         }
+
+    def _told(self) -> dict[str, NDArray[np.object_]]:
+        return {name: getattr(self, name) for name in _TEXTS}
 
     def content(self) -> tuple[dict[str, Variable], dict[str, Variable], dict[str, Any]]:
         """Return coordinates, variables and attributes as a netCDF file holds them."""
@@ -259,7 +274,8 @@ def collect(plan: Plan, store: Store) -> StudyTable:
         row = rows.get(point.key)
         status = str(row["status"]) if row else REFUSED if point.problems else MISSING
         reason = str(row["reason"]) if row else "; ".join(point.problems)
-        for name, text in zip(_TEXTS, (status, reason, point.key), strict=True):
+        backend = str(row["values"].get("backend", "")) if row else ""
+        for name, text in zip(_TEXTS, (status, reason, point.key, backend), strict=True):
             texts[name][at] = text
         if row is not None:
             _fill(arrays, at, row, labels)
@@ -278,9 +294,6 @@ def collect(plan: Plan, store: Store) -> StudyTable:
         },
         **{name: values.reshape(plan.shape) for name, values in texts.items()},
     )
-
-
-_TEXTS = ("status", "reason", "key")
 
 
 def _labels(rows: Iterable[Row]) -> dict[str, tuple[str, ...]]:

@@ -68,8 +68,8 @@ def _solve(model: Model) -> tuple[Form, int]:
     for _ in range(_ACTIVE_SET_PASSES):
         form = _converged(problem)
         spent += form.newton.iterations
-        elongation = form.system.dropper_state(form.system.position).length
-        taut = elongation > form.system.dropper_length
+        ties = form.system.ties
+        taut = ties.state(form.system.position).length > ties.length
         if np.array_equal(taut, problem.taut):
             return form, spent
         problem = replace(problem, taut=taut, system=_restart(problem, form))
@@ -81,10 +81,9 @@ def _solve(model: Model) -> tuple[Form, int]:
 def _with_length_errors(model: Model, form: Form) -> FormProblem:
     """Return the problem of the lengths that were found, with their errors of installation."""
     system = form.system
-    lengths = system.dropper_length + model.irregularities.dropper_length
-    given = system.with_(dropper_length=lengths, load=model.form.system.load)
-    none = np.full(len(lengths), -1)
-    return replace(model.form, system=given, dropper_slot=none)
+    ties = system.ties.of_length(system.ties.length + model.irregularities.dropper_length)
+    given = system.with_(ties=ties, load=model.form.system.load)
+    return replace(model.form, system=given, tie_slot=np.full(len(ties), -1))
 
 
 def _with_unstrained_lengths(problem: FormProblem) -> tuple[FormProblem, int]:
@@ -93,27 +92,23 @@ def _with_unstrained_lengths(problem: FormProblem) -> tuple[FormProblem, int]:
     The shape is first found with droppers that hardly stretch; their forces then give the
     elongation to take off.
     """
-    stretched = problem.system.dropper_length
-    rigid = problem.system.with_(dropper_stiffness=np.full(len(stretched), _RIGID_DROPPER))
-    form = _converged(replace(problem, system=rigid, dropper_axial_stiffness=None))
-    force, length = _dropper_forces(form), form.system.dropper_state(form.system.position).length
-    if problem.dropper_axial_stiffness is None:
-        unstrained = length - force / problem.system.dropper_stiffness
-    else:
-        unstrained = length / (1.0 + force / problem.dropper_axial_stiffness)
+    ties = problem.system.ties
+    count = len(ties)
+    rigid = ties.with_(stiffness=np.full(count, _RIGID_DROPPER), axial=np.full(count, np.nan))
+    form = _converged(replace(problem, system=problem.system.with_(ties=rigid)))
+    force, length = _dropper_forces(form), form.system.ties.state(form.system.position).length
+    unstrained = np.where(
+        np.isnan(ties.axial), length - force / ties.stiffness, length / (1.0 + force / ties.axial)
+    )
     system = problem.system.with_(
-        position=form.system.position,
-        cable_length=form.system.cable_length,
-        dropper_length=unstrained,
+        position=form.system.position, cables=form.system.cables, ties=ties.of_length(unstrained)
     )
     return replace(problem, system=system), form.newton.iterations
 
 
 def _restart(problem: FormProblem, form: Form) -> Any:
     return problem.system.with_(
-        position=form.system.position,
-        cable_length=form.system.cable_length,
-        dropper_length=form.system.dropper_length,
+        position=form.system.position, cables=form.system.cables, ties=form.system.ties
     )
 
 
@@ -132,8 +127,8 @@ def _converged(problem: FormProblem) -> Form:
 
 def _dropper_forces(form: Form) -> Array:
     system = form.system
-    length = system.dropper_state(system.position).length
-    return system.dropper_stiffness * (length - system.dropper_length)
+    length = system.ties.state(system.position).length
+    return system.ties.stiffness * (length - system.ties.length)
 
 
 def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
@@ -176,7 +171,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     mesh, system = model.mesh, form.system
     reactions = form.reactions.reshape(-1, 2, 6)
     nodes = system.position.reshape(-1, 2, 2, 3)
-    state = system.dropper_state(system.position)
+    state = system.ties.state(system.position)
     forces = np.where(model.form.taut, _dropper_forces(form), 0.0)
     arms = _arm_data(model, form)
     inner = mesh.support_station[1:-1]
@@ -188,12 +183,12 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     wires = (model.case.wires.contact, model.case.wires.messenger)
     return Equilibrium(
         position=system.position,
-        cable_lengths=system.cable_length,
+        cable_lengths=system.cables.length,
         station_x=mesh.x,
         dropper_span=mesh.dropper_span,
         dropper_number=mesh.dropper_number,
         dropper_x=mesh.dropper_x,
-        dropper_lengths_unstrained=system.dropper_length,
+        dropper_lengths_unstrained=system.ties.length,
         dropper_lengths=state.length,
         dropper_forces=np.maximum(forces, 0.0),
         dropper_heights=nodes[mesh.dropper_station, CONTACT, 0, 2],
@@ -221,10 +216,10 @@ def _arm_data(model: Model, form: Form) -> _ArmData:
     inner = mesh.support_station[1:-1]
     wire = form.system.position.reshape(-1, 2, 2, 3)[inner, CONTACT, 0]
     if spec.closure == "arm":
-        ends = form.system.arm_ends
+        ends = form.system.stays.end
         offset = ends - wire
         length = np.linalg.norm(offset, axis=1)
-        force = form.system.arm_stiffness * (length - form.system.arm_length)
+        force = form.system.stays.axial_force(length)
     else:
         pull = _arm_pull(model, form)
         force = np.linalg.norm(pull, axis=1)
@@ -269,8 +264,8 @@ def _refuse_bad_arms(model: Model, force: Array, lateral: Array) -> None:
 def _weight(model: Model, form: Form) -> float:
     """Return the weight of everything that hangs on the supports [N]."""
     case, system = model.case, form.system
-    weight = float(system.cable_mass @ system.cable_length) + float(system.node_mass.sum())
-    weight += case.droppers.mass * float(system.dropper_length.sum())
+    weight = float(system.cables.mass @ system.cables.length) + float(system.node_mass.sum())
+    weight += case.droppers.mass * float(system.ties.length.sum())
     total = weight * case.line.gravity
     if case.supports.closure != "spring":
         total += 2.0 * arm_half_weight(case) * (len(model.mesh.support_station) - 2)

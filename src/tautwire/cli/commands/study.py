@@ -53,6 +53,8 @@ class StudyRequest:
     study : Path
     workers : int or None
     cluster : str or None
+    certificates : Path or None
+        Their folder.
     options : Options
     out : Path or None
     """
@@ -60,6 +62,7 @@ class StudyRequest:
     study: Path
     workers: int | None
     cluster: str | None
+    certificates: Path | None
     options: Options
     out: Path | None
 
@@ -80,6 +83,7 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
             elapsed = time.perf_counter() - begin
             answer.document.update(_document(found, watch.last, executor, elapsed))
             answer.show(*_view(found, watch.last, elapsed))
+            answer.warn(found.mixture().splitlines())
             _conclude(answer, Files(folder), found, executor, stopped)
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
@@ -98,12 +102,13 @@ def _computed(
 def _executor(request: StudyRequest, folder: Path) -> Executor:
     if request.cluster is not None and request.workers is not None:
         raise InputError("--workers and --cluster exclude each other; give one of them")
+    if request.cluster is None and request.certificates is not None:
+        raise InputError("--tls is for --cluster tls://HOST:PORT; give both")
     if request.cluster is not None:
         from tautwire.studies.execution.cluster import DaskCluster
 
-        for name in ("distributed.client", "distributed.core"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # a lost cluster is told below
-        return DaskCluster(request.cluster, folder)
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is lost is told below
+        return DaskCluster(request.cluster, folder, certificates=request.certificates)
     count = core_count() if request.workers is None else request.workers
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"--workers: got {count}; give 1 to {MOST_WORKERS}")
@@ -172,6 +177,7 @@ def _document(
         "title": found.study.title,
         "version": __version__,
         "computed_by": executor.description,
+        "mixture": found.mixture(),
         "cases": {"total": int(found.status.size), **found.counts()},
         "computed_now": computed,
         "kept_from_before": 0 if last is None else last.resumed,

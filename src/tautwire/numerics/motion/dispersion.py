@@ -48,7 +48,7 @@ class WaveStiffening:
         """Return a line as it is to be integrated with a time step [s]."""
         square = time_step**2
         return system.with_(
-            cable_bending_stiffness=system.cable_bending_stiffness + square * self.bending,
+            cables=system.cables.with_(bending=system.cables.bending + square * self.bending),
             load=system.load + square * self.load,
         )
 
@@ -64,8 +64,9 @@ def wave_stiffening(system: System, integrator: Integrator) -> WaveStiffening:
         Newmark or HHT.
     """
     kappa = integrator.beta - 1.0 / 12.0 - integrator.alpha**2
-    bending = kappa * wire_tension(system) ** 2 / system.cable_mass
-    stiffer = system.with_(cable_bending_stiffness=system.cable_bending_stiffness + bending)
+    bending = kappa * wire_tension(system) ** 2 / system.cables.mass
+    cables = system.cables.with_(bending=system.cables.bending + bending)
+    stiffer = system.with_(cables=cables)
     there = internal_force(stiffer, system.position).nodal
     here = internal_force(system, system.position).nodal
     return WaveStiffening(bending, np.where(system.fixed, 0.0, there - here))
@@ -73,9 +74,9 @@ def wave_stiffening(system: System, integrator: Integrator) -> WaveStiffening:
 
 def wire_tension(system: System) -> Array:
     """Return the tension in the middle of every wire element, ``(n_cable,)`` [N]."""
-    e = system.cable_coordinates(system.position)
+    e = system.cables.coordinates(system.position)
     first, _ = derivative_tables(np.array([0.5]))
-    secant = (e[2] - e[0]) / system.cable_length
+    secant = (e[2] - e[0]) / system.cables.length
     slope = first[0, 0] * secant + first[0, 1] * e[1] + first[0, 2] * e[3]
     square = np.einsum("in,in->n", slope, slope)
-    return system.cable_axial_stiffness * 0.5 * (square - 1.0) * np.sqrt(square)
+    return system.cables.axial * 0.5 * (square - 1.0) * np.sqrt(square)

@@ -20,8 +20,9 @@ from tautwire.numerics.motion.corotation import NodeRotation, unit_tangents
 from tautwire.numerics.motion.stepper import StepOptions
 from tautwire.numerics.network.banded import BandedCholesky, Pattern
 from tautwire.numerics.network.system import (
+    PartMatrices,
     System,
-    TangentParts,
+    ground_dampers,
     lumped_mass,
     mass_parts,
     tangent_parts,
@@ -77,26 +78,21 @@ class LineMatrices:
         self._mass_values = self.pattern.values(mass_parts(system))
         self._lumped = lumped_mass(system)
         parts = tangent_parts(system, system.position)
-        rayleigh = TangentParts(parts.cables, 0.0 * parts.droppers, parts.arms, 0.0 * parts.springs)
-        supports = TangentParts(
-            0.0 * parts.cables, 0.0 * parts.droppers, 0.0 * parts.arms, system.spring_damping
-        )
-        a_r, b_r = system.damping_mass, system.damping_stiffness
+        rayleigh = parts.scaled(cables=1.0, stays=1.0)
+        a_r, b_r = system.damping.mass, system.damping.stiffness
         self._damping_values = (
             a_r * self._mass_values
             + b_r * self.pattern.values(rayleigh)
-            + self.pattern.values(supports)
+            + self.pattern.values(ground_dampers(system, parts))
         )
         self.mass = self.pattern.csr(self._mass_values, self._lumped)
         self.damping = self.pattern.csr(self._damping_values, a_r * self._lumped)
         self._lumped_damping = a_r * self._lumped
 
-    def effective_band(self, parts: TangentParts, c: float, k: float) -> Array:
-        """Return ``M + c C + k K`` for a tangent K, droppers damped like ``b_R K``."""
-        b_r = self._system.damping_stiffness
-        scaled = TangentParts(
-            k * parts.cables, (k + c * b_r) * parts.droppers, k * parts.arms, k * parts.springs
-        )
+    def effective_band(self, parts: PartMatrices, c: float, k: float) -> Array:
+        """Return ``M + c C + k K`` for a tangent K, ties damped like ``b_R K``."""
+        tie = k + c * self._system.damping.stiffness
+        scaled = parts.scaled(cables=k, ties=tie, clamps=k, stays=k, grounds=k)
         values = self._mass_values + c * self._damping_values + self.pattern.values(scaled)
         return self.pattern.upper_band(values, self._lumped + c * self._lumped_damping)
 

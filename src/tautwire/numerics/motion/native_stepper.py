@@ -22,6 +22,7 @@ from tautwire.numerics.motion.stepper import (
     StepCounters,
     StepOptions,
 )
+from tautwire.numerics.network.parts import BOTH_WAYS, TENSION_ONLY, Grounds
 from tautwire.numerics.network.system import System
 from tautwire.status import Status
 
@@ -51,22 +52,39 @@ def cable_order(system: System) -> Index | None:
         The line.
     """
     count = system.node_count // 2
-    left, right = system.cable_nodes.T
-    lower, arms = system.dropper_nodes[:, 1], system.arm_nodes
+    nodes, ties, arms = system.cables.nodes, system.ties, system.stays.node
+    left, right = nodes.T
+    lower = ties.nodes[:, 1]
     order = np.lexsort((left, left % 2))
     expected = (2 * np.arange(count - 1) + np.arange(2)[:, None]).ravel()
     is_two_wires = (
         system.node_count == 2 * count
+        and len(system.paths) == 1
+        and len(left) == len(expected)
         and np.array_equal(left[order], expected)
         and np.array_equal(right, left + 2)
-        and np.array_equal(system.contact_nodes, 2 * np.arange(count))
-        and np.array_equal(system.dropper_nodes[:, 0], lower + 1)
+        and np.array_equal(system.paths[0].nodes, 2 * np.arange(count))
+        and np.array_equal(ties.nodes[:, 0], lower + 1)
         and not (lower % 2).any()
         and not (arms % 2).any()
         and len(np.unique(lower)) == len(lower)
         and len(np.unique(arms)) == len(arms)
+        and len(system.clamps) == 0
+        and (ties.law == TENSION_ONLY).all()
+        and (system.stays.law == BOTH_WAYS).all()
+        and _is_diagonal(system.grounds)
     )
     return order if is_two_wires else None
+
+
+def _is_diagonal(grounds: Grounds) -> bool:
+    """Tell whether grounds act along the axes only, one at most on every coordinate."""
+    across = ~np.eye(3, dtype=bool)
+    return (
+        not grounds.stiffness[:, across].any()
+        and not grounds.damping[:, across].any()
+        and len(np.unique(grounds.node)) == len(grounds.node)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +236,7 @@ class NativeStepper:
             "gap": count,
             "wire_height": count,
             "stages": sum(p.chain.stage_count for p in self._inputs),
-            "dropper_force": len(self._system.dropper_length),
+            "dropper_force": len(self._system.ties),
             "observed": len(self._observed),
         }
         return {name: np.empty((steps, width)) for name, width in widths.items()}
@@ -283,37 +301,41 @@ def _line_arrays(system: System, stiffening: WaveStiffening | None) -> dict[str,
     """Return the arrays of the line in the order of the core."""
     order = cable_order(system)
     count = system.node_count // 2
-    arm_stations = system.arm_nodes // 2
+    cables, ties, stays, grounds = system.cables, system.ties, system.stays, system.grounds
+    arm_stations = stays.node // 2
     node_mass = system.node_mass.reshape(count, 2).copy()
-    node_mass[arm_stations, 0] += system.arm_mass / 3.0
+    node_mass[arm_stations, 0] += stays.mass / 3.0
+    stiffness = np.diagonal(grounds.stiffness, axis1=1, axis2=2).ravel()
+    damping = np.diagonal(grounds.damping, axis1=1, axis2=2).ravel()
+    springs = np.flatnonzero((stiffness != 0.0) | (damping != 0.0))
     arrays = {
-        "length": system.cable_length[order],
-        "axial_stiffness": system.cable_axial_stiffness[order],
-        "bending_stiffness": system.cable_bending_stiffness[order],
-        "mass": system.cable_mass[order],
+        "length": cables.length[order],
+        "axial_stiffness": cables.axial[order],
+        "bending_stiffness": cables.bending[order],
+        "mass": cables.mass[order],
         "node_mass": node_mass,
         "load": system.load,
         "position": system.position,
-        "dropper_length": system.dropper_length,
-        "dropper_stiffness": system.dropper_stiffness,
-        "arm_end": system.arm_ends,
-        "arm_length": system.arm_length,
-        "arm_stiffness": system.arm_stiffness,
-        "spring_stiffness": system.spring_stiffness,
-        "spring_damping": system.spring_damping,
-        "spring_free": system.spring_free,
+        "dropper_length": ties.length,
+        "dropper_stiffness": ties.stiffness,
+        "arm_end": stays.end,
+        "arm_length": stays.length,
+        "arm_stiffness": stays.stiffness,
+        "spring_stiffness": stiffness[springs],
+        "spring_damping": damping[springs],
+        "spring_free": grounds.free.ravel()[springs],
     }
     if stiffening is not None:
         arrays["stiffening_bending"] = stiffening.bending[order]
         arrays["stiffening_load"] = stiffening.load
     indices = {
-        "dropper_station": system.dropper_nodes[:, 1] // 2,
+        "dropper_station": ties.nodes[:, 1] // 2,
         "arm_station": arm_stations,
-        "spring_dof": system.spring_dofs,
+        "spring_dof": grounds.dofs.T.ravel()[springs],
     }
     result: dict[str, Any] = {k: np.ascontiguousarray(v, dtype=float) for k, v in arrays.items()}
     result |= {k: np.ascontiguousarray(v, dtype=np.int64) for k, v in indices.items()}
     result["fixed"] = np.ascontiguousarray(system.fixed, dtype=bool)
-    result["damping_mass"] = float(system.damping_mass)
-    result["damping_stiffness"] = float(system.damping_stiffness)
+    result["damping_mass"] = float(system.damping.mass)
+    result["damping_stiffness"] = float(system.damping.stiffness)
     return result

@@ -41,7 +41,7 @@ from tautwire.numerics.motion.step_solver import (
     Watchdog,
 )
 from tautwire.numerics.motion.stepper import PantographInput, StepBlock, StepCounters, StepOptions
-from tautwire.numerics.network.system import System, dropper_axial_force, internal_force
+from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -76,9 +76,8 @@ class ReferenceStepper:
         self.counters = StepCounters()
         self._system, self._options, self._observed = system, options, observed
         self._inputs = tuple(pantographs)
-        self._path = ContactWirePath(
-            system.contact_nodes, system.cable_length[: len(system.contact_nodes) - 1]
-        )
+        path = system.paths[0]
+        self._path = ContactWirePath(path.nodes, system.cables.length[path.cables])
         self._matrices = LineMatrices(system)
         self._factors = StepFactors(system, self._matrices, options)
         self._chains: dict[float, tuple[PantographStep, ...]] = {}
@@ -289,7 +288,7 @@ class ReferenceStepper:
             np.array([p.gap for p in pantographs]),
             np.array([p.wire_height for p in pantographs]),
             np.concatenate([p.z for p in pantographs]) if pantographs else np.empty(0),
-            dropper_axial_force(self._system, state.q, state.v),
+            tie_axial_force(self._system, state.q, state.v),
             state.q[self._observed],
         )
 
@@ -307,7 +306,7 @@ class ReferenceStepper:
             gap=stack("gap", count),
             wire_height=stack("wire_height", count),
             stages=stack("stages", stages),
-            dropper_force=stack("dropper_force", len(self._system.dropper_length)),
+            dropper_force=stack("dropper_force", len(self._system.ties)),
             observed=stack("observed", len(self._observed)),
             status=status,
             refused_gap=refused,

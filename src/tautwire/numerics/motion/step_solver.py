@@ -12,7 +12,7 @@ from tautwire.numerics.contact.path import ContactPoint
 from tautwire.numerics.motion.corotation import NodeRotation, unit_tangents
 from tautwire.numerics.motion.effective_matrix import StepCoefficients, StepFactors
 from tautwire.numerics.motion.pantograph import PantographStep
-from tautwire.numerics.network.system import System, dropper_axial_force
+from tautwire.numerics.network.system import System, tie_axial_force
 
 Array = NDArray[Any]
 
@@ -138,10 +138,10 @@ class StepSolver:
             self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
 
     def renew(self, q: Array, v: Array, *, only_taut: bool) -> None:
-        """Factor the matrix at an iterate; without its slack droppers when ``only_taut``."""
+        """Factor the matrix at an iterate; without its slack ties when ``only_taut``."""
         dt, self._columns = self._step.c.time_step, None
         if only_taut:
-            taut = dropper_axial_force(self._system, q, v) > 0.0
+            taut = self._system.ties.acting(tie_axial_force(self._system, q, v))
             self._factor = self._factors.make(q, dt, taut)
         else:
             self._factor = self._factors.renew(q, dt)

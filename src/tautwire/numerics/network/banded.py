@@ -1,7 +1,8 @@
 """Assembly into banded and compressed storage, and the banded Cholesky factor.
 
-Numbering nodes along the track with both wires side by side gives a semi-bandwidth of 17; LAPACK's
-banded Cholesky then beats general sparse factorisations by an order of magnitude.
+Numbering nodes along the track, whatever wire they belong to, keeps the band narrow (semi-bandwidth
+17 for two wires on common stations); LAPACK's banded Cholesky then beats general sparse
+factorisations by an order of magnitude.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.network.system import System, TangentParts
+from tautwire.numerics.network.system import PartMatrices, System
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -33,14 +34,8 @@ class Pattern:
     def __init__(self, system: System) -> None:
         self.size = system.dof_count
         self.fixed = np.asarray(system.fixed)
-        cable = np.concatenate(
-            [6 * system.cable_nodes[:, side, None] + np.arange(6) for side in (0, 1)], axis=1
-        ).T
-        bar = np.concatenate(
-            [6 * system.dropper_nodes[:, side, None] + np.arange(3) for side in (0, 1)], axis=1
-        ).T
-        arm = (6 * system.arm_nodes[:, None] + np.arange(3)).T
-        groups = [_pairs(cable), _pairs(bar), _pairs(arm), (system.spring_dofs,) * 2]
+        parts = (system.cables, system.ties, system.clamps, system.stays, system.grounds)
+        groups = [_pairs(part.dofs) for part in parts]
         self.rows: Index = np.concatenate([g[0] for g in groups])
         self.cols: Index = np.concatenate([g[1] for g in groups])
         self.bandwidth = int(np.abs(self.rows - self.cols).max(initial=0))
@@ -49,17 +44,15 @@ class Pattern:
         rows, cols = self.rows[self._upper], self.cols[self._upper]
         self._flat = (self.bandwidth + rows - cols) * self.size + cols
 
-    def values(self, parts: TangentParts) -> Array:
+    def values(self, parts: PartMatrices) -> Array:
         """Return the entries of all element matrices in the order of ``rows`` and ``cols``."""
-        n = parts.cables.shape[-1]
-        b = parts.droppers
-        bars = np.concatenate([np.concatenate([b, -b], 1), np.concatenate([-b, b], 1)], 0)
         return np.concatenate(
             [
-                parts.cables.reshape(144 * n),
-                bars.ravel(),
-                parts.arms.ravel(),
-                parts.springs,
+                parts.cables.ravel(),
+                _between(parts.ties).ravel(),
+                _between(parts.clamps).ravel(),
+                parts.stays.ravel(),
+                parts.grounds.ravel(),
             ]
         )
 
@@ -94,6 +87,11 @@ class Pattern:
         if diagonal is not None:
             matrix = matrix + diags_array(diagonal)
         return matrix.tocsr()
+
+
+def _between(b: Array) -> Array:
+    """Return ``[[B, -B], [-B, B]]`` of parts between two nodes, ``(6, 6, n)``."""
+    return np.concatenate([np.concatenate([b, -b], 1), np.concatenate([-b, b], 1)], 0)
 
 
 def _pairs(dofs: Index) -> tuple[Index, Index]:

@@ -1,21 +1,21 @@
 """Everything the equations of motion of a line need, as arrays, and their assembly.
 
 Degrees of freedom are numbered node by node, ``6*node + (x, y, z, x', y', z')``, and nodes along
-the track (``2*station + wire``), so that every matrix is banded.
+the track, whatever wire they belong to, so that every matrix is banded.
 
 Equation of motion (paper eq. 8)::
 
     M a + C v + Q(q, v) = load + contact
 
-``Q`` holds wires, droppers (tension only, damping included), steady arms and support springs.
-``C = a_R M + b_R K0`` plus the support dampers; ``K0`` is the tangent of wires and arms at the
-static state. The droppers' share of ``b_R K0`` acts along the dropper and only while it is taut:
-their force is ``max(0, k (l - L0) + b_R k dl/dt)``.
+``Q`` holds cables, ties (damping included), clamps, stays and grounds. ``C = a_R M + b_R K0`` plus
+the dampers of the grounds; ``K0`` is the tangent of cables and stays at the static state. The
+ties' share of ``b_R K0`` acts along the tie and only while its law lets it act: the force of a
+dropper is ``max(0, k (l - L0) + b_R k dl/dt)``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -23,7 +23,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.elements.bar import BarState, bar_state, bar_tangent
+from tautwire.numerics.elements.bar import BarState, bar_tangent
+from tautwire.numerics.network.parts import (
+    BOTH_WAYS,
+    Cables,
+    Clamps,
+    Grounds,
+    Path,
+    Rayleigh,
+    Stays,
+    Ties,
+    law_allows,
+)
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
@@ -35,24 +46,8 @@ class System:
 
     Attributes
     ----------
-    cable_nodes : (n_cable, 2)
-        Left and right node of each wire element; a node is at most once left and once right.
-    cable_length : (n_cable,) m
-        Unstrained lengths.
-    cable_axial_stiffness, cable_bending_stiffness, cable_mass : (n_cable,) N, N m2, kg/m
-    dropper_nodes : (n_dropper, 2)
-        Messenger-wire node and contact-wire node.
-    dropper_length, dropper_stiffness : (n_dropper,) m, N/m
-        Unstrained length and axial stiffness.
-    arm_nodes : (n_arm,)
-        Contact-wire node of each steady arm.
-    arm_ends : (n_arm, 3) m
-        Fixed far ends.
-    arm_length, arm_stiffness, arm_mass : (n_arm,) m, N/m, kg
-    spring_dofs : (n_spring,)
-        Degrees of freedom on which grounded spring-dampers act.
-    spring_stiffness, spring_damping, spring_free : (n_spring,) N/m, N s/m, m
-        ``spring_free`` is the coordinate at which the spring is slack.
+    cables, ties, clamps, stays, grounds
+        The parts.
     node_mass : (n_node,) kg
         Lumped masses (clamps, halves of droppers).
     load : (n_dof,) N, N m
@@ -61,36 +56,23 @@ class System:
         Degrees of freedom that do not move.
     position : (n_dof,) m
         Static state.
-    damping_mass, damping_stiffness : float 1/s, s
-        Rayleigh coefficients a_R and b_R.
-    contact_nodes : (n_station,)
-        Nodes of the contact wire from left to right.
+    paths : tuple of Path
+        Wires that a pantograph may run under.
+    damping : Rayleigh
+        Proportional damping.
     """
 
-    cable_nodes: Index
-    cable_length: Array
-    cable_axial_stiffness: Array
-    cable_bending_stiffness: Array
-    cable_mass: Array
-    dropper_nodes: Index
-    dropper_length: Array
-    dropper_stiffness: Array
-    arm_nodes: Index
-    arm_ends: Array
-    arm_length: Array
-    arm_stiffness: Array
-    arm_mass: Array
-    spring_dofs: Index
-    spring_stiffness: Array
-    spring_damping: Array
-    spring_free: Array
+    cables: Cables
     node_mass: Array
     load: Array
     fixed: NDArray[np.bool_]
     position: Array
-    damping_mass: float
-    damping_stiffness: float
-    contact_nodes: Index
+    ties: Ties = field(default_factory=Ties.none)
+    clamps: Clamps = field(default_factory=Clamps.none)
+    stays: Stays = field(default_factory=Stays.none)
+    grounds: Grounds = field(default_factory=Grounds.none)
+    paths: tuple[Path, ...] = ()
+    damping: Rayleigh = field(default_factory=Rayleigh)
 
     @property
     def node_count(self) -> int:
@@ -103,75 +85,46 @@ class System:
         return 6 * self.node_count
 
     def with_(self, **changes: Any) -> System:
-        """Return a copy with some arrays replaced."""
+        """Return a copy with some parts replaced."""
         return replace(self, **changes)
-
-    @cached_property
-    def section(self) -> ancf.CableSection:
-        """Length and stiffness of the wire elements."""
-        return ancf.CableSection(
-            self.cable_length, self.cable_axial_stiffness, self.cable_bending_stiffness
-        )
 
     @cached_property
     def translations(self) -> Index:
         """Degrees of freedom that are coordinates, not slopes, ``(3 n_node,)``."""
         return (6 * np.arange(self.node_count)[:, None] + np.arange(3)).ravel()
 
-    def cable_coordinates(self, q: Array) -> Array:
-        """Gather element coordinates (r1, r1', r2, r2') from ``q``, ``(4, 3, n_cable)``."""
-        nodes = q.reshape(-1, 6)
-        e = np.empty((12, len(self.cable_nodes)), dtype=q.dtype)
-        e[:6] = nodes[self.cable_nodes[:, 0]].T
-        e[6:] = nodes[self.cable_nodes[:, 1]].T
-        return e.reshape(4, 3, -1)
-
-    def add_cable_forces(self, total: Array, forces: Array) -> None:
-        """Add element forces ``(4, 3, n_cable)`` to the nodal forces ``(n_dof,)`` in place."""
-        nodes, flat = total.reshape(-1, 6), forces.reshape(12, -1)
-        nodes[self.cable_nodes[:, 0]] += flat[:6].T
-        nodes[self.cable_nodes[:, 1]] += flat[6:].T
-
-    def dropper_state(self, q: Array) -> BarState:
-        """Return direction (contact to messenger wire) and length of the droppers."""
-        r = q.reshape(-1, 6)[:, :3]
-        return bar_state(r[self.dropper_nodes[:, 0]].T, r[self.dropper_nodes[:, 1]].T)
-
-    def arm_state(self, q: Array) -> BarState:
-        """Return direction (far end to wire) and length of the steady arms."""
-        return bar_state(q.reshape(-1, 6)[self.arm_nodes, :3].T, self.arm_ends.T)
-
 
 class InternalForce(NamedTuple):
     """Nodal forces Q ``(n_dof,)`` and what they were made of."""
 
     nodal: Array
-    dropper_axial: Array
+    tie_axial: Array
 
 
-def dropper_axial_force(system: System, q: Array, v: Array | None = None) -> Array:
-    """Return ``max(0, k (l - L0) + b_R k dl/dt)`` of each dropper, ``(n_dropper,)`` [N]."""
-    return _taut(_dropper_axial(system, system.dropper_state(q), v))
+def tie_axial_force(system: System, q: Array, v: Array | None = None) -> Array:
+    """Return the axial force of each tie as its law allows, ``(n_tie,)`` [N].
+
+    For a dropper ``max(0, k (l - L0) + b_R k dl/dt)``.
+    """
+    axial = _tie_axial(system, system.ties.state(q), v)
+    return np.where(law_allows(system.ties.law, axial), axial, 0.0)
 
 
-def _dropper_axial(system: System, state: BarState, v: Array | None) -> Array:
-    axial = system.dropper_stiffness * (state.length - system.dropper_length)
-    if v is not None and system.damping_stiffness:
+def _tie_axial(system: System, state: BarState, v: Array | None) -> Array:
+    ties = system.ties
+    axial = ties.stiffness * (state.length - ties.length)
+    if v is not None and system.damping.stiffness:
         nodes = v.reshape(-1, 6)[:, :3]
-        relative = nodes[system.dropper_nodes[:, 0]] - nodes[system.dropper_nodes[:, 1]]
+        relative = nodes[ties.nodes[:, 0]] - nodes[ties.nodes[:, 1]]
         rate = np.einsum("in,ni->n", state.direction, relative)
-        axial = axial + system.damping_stiffness * system.dropper_stiffness * rate
+        axial = axial + system.damping.stiffness * ties.stiffness * rate
     return axial
-
-
-def _taut(axial: Array) -> Array:
-    return np.where(np.real(axial) > 0.0, axial, 0.0)
 
 
 def internal_force(
     system: System, q: Array, v: Array | None = None, *, slackening: bool = True
 ) -> InternalForce:
-    """Return the forces of wires, droppers, arms and support springs.
+    """Return the forces of cables, ties, clamps, stays and grounds.
 
     Parameters
     ----------
@@ -180,54 +133,80 @@ def internal_force(
     q : (n_dof,)
         Nodal coordinates.
     v : (n_dof,), optional
-        Nodal velocities, for the damping of the droppers.
+        Nodal velocities, for the damping of the ties.
     slackening
         False lets droppers push (used while the shape is searched).
 
     Returns
     -------
     InternalForce
-        Nodal forces ``(n_dof,)`` and dropper forces ``(n_dropper,)`` [N].
+        Nodal forces ``(n_dof,)`` and forces of the ties ``(n_tie,)`` [N].
     """
     total = np.zeros(q.shape, dtype=q.dtype)
-    system.add_cable_forces(total, ancf.force(system.cable_coordinates(q), system.section))
-    nodes = total.reshape(-1, 6)
-    state = system.dropper_state(q)
-    axial = _dropper_axial(system, state, v)
+    cables, ties, clamps = system.cables, system.ties, system.clamps
+    cables.add_forces(total, ancf.force(cables.coordinates(q), cables.section))
+    nodes = total.reshape(-1, 6)[:, :3]
+    state = ties.state(q)
+    axial = _tie_axial(system, state, v)
     if slackening:
-        axial = _taut(axial)
+        axial = np.where(law_allows(ties.law, axial), axial, 0.0)
     pull = (axial * state.direction).T
-    nodes[system.dropper_nodes[:, 0], :3] += pull
-    nodes[system.dropper_nodes[:, 1], :3] -= pull
-    arms = system.arm_state(q)
-    tension = system.arm_stiffness * (arms.length - system.arm_length)
-    nodes[system.arm_nodes, :3] += (tension * arms.direction).T
-    dofs = system.spring_dofs
-    total[dofs] += system.spring_stiffness * (q[dofs] - system.spring_free)
+    np.add.at(nodes, ties.nodes[:, 0], pull)
+    np.subtract.at(nodes, ties.nodes[:, 1], pull)
+    joint = clamps.pull(q)
+    np.subtract.at(nodes, clamps.nodes[:, 0], joint)
+    np.add.at(nodes, clamps.nodes[:, 1], joint)
+    stays = system.stays.state(q)
+    np.add.at(
+        nodes, system.stays.node, (system.stays.axial_force(stays.length) * stays.direction).T
+    )
+    np.add.at(nodes, system.grounds.node, system.grounds.pull(q))
     return InternalForce(total, axial)
 
 
 @dataclass(frozen=True, eq=False)
-class TangentParts:
-    """Tangent stiffness of the parts of a line at one state.
+class PartMatrices:
+    """Matrices of the parts of a line: tangents, masses or dampers.
 
     Attributes
     ----------
     cables : (4, 3, 4, 3, n_cable)
-    droppers : (3, 3, n_dropper)
-    arms : (3, 3, n_arm)
-    springs : (n_spring,)
+    ties : (3, 3, n_tie)
+        Block B of ``[[B, -B], [-B, B]]``.
+    clamps : (3, 3, n_clamp)
+        The same.
+    stays : (3, 3, n_stay)
+    grounds : (3, 3, n_ground)
     """
 
     cables: Array
-    droppers: Array
-    arms: Array
-    springs: Array
+    ties: Array
+    clamps: Array
+    stays: Array
+    grounds: Array
+
+    def scaled(
+        self,
+        *,
+        cables: float = 0.0,
+        ties: float = 0.0,
+        clamps: float = 0.0,
+        stays: float = 0.0,
+        grounds: float = 0.0,
+    ) -> PartMatrices:
+        """Return every kind of part times a factor; a kind without factor counts nothing."""
+        return PartMatrices(
+            cables * self.cables,
+            ties * self.ties,
+            clamps * self.clamps,
+            stays * self.stays,
+            grounds * self.grounds,
+        )
 
 
 def tangent_parts(
     system: System, q: Array, *, taut: NDArray[np.bool_] | None = None, pushing: bool = False
-) -> TangentParts:
+) -> PartMatrices:
     """Return the tangent of every part at ``q``.
 
     Parameters
@@ -236,36 +215,45 @@ def tangent_parts(
         The line.
     q : (n_dof,)
         Nodal coordinates.
-    taut : (n_dropper,) bool, optional
-        Droppers that have their stiffness; all of them by default.
+    taut : (n_tie,) bool, optional
+        Ties that have their stiffness; all of them by default.
     pushing
         True counts the force of droppers that are too short to be taut (while a shape is sought).
     """
-    state = system.dropper_state(q)
-    axial = system.dropper_stiffness * (state.length - system.dropper_length)
+    ties, stays = system.ties, system.stays
+    state = ties.state(q)
+    axial = ties.stiffness * (state.length - ties.length)
     if not pushing:
-        axial = np.maximum(axial, 0.0)
+        axial = np.where(law_allows(ties.law, axial), axial, 0.0)
     keep = np.ones(len(axial)) if taut is None else taut.astype(float)
-    arms = system.arm_state(q)
-    tension = system.arm_stiffness * (arms.length - system.arm_length)
-    return TangentParts(
-        ancf.tangent(system.cable_coordinates(q), system.section),
-        bar_tangent(state, keep * system.dropper_stiffness, keep * axial),
-        bar_tangent(arms, system.arm_stiffness, tension),
-        system.spring_stiffness,
+    arm = stays.state(q)
+    tension = stays.axial_force(arm.length)
+    acts = (stays.law == BOTH_WAYS) | (tension != 0.0)
+    return PartMatrices(
+        ancf.tangent(system.cables.coordinates(q), system.cables.section),
+        bar_tangent(state, keep * ties.stiffness, keep * axial),
+        np.eye(3)[:, :, None] * system.clamps.stiffness,
+        bar_tangent(arm, acts * stays.stiffness, tension),
+        np.moveaxis(system.grounds.stiffness, 0, -1),
     )
 
 
-def mass_parts(system: System) -> TangentParts:
-    """Return the mass of every part in the layout of :class:`TangentParts`.
+def mass_parts(system: System) -> PartMatrices:
+    """Return the mass of every part in the layout of :class:`PartMatrices`.
 
     Lumped masses are not included; see :func:`lumped_mass`.
     """
-    m = ancf.mass_matrix(system.cable_length, system.cable_mass)
-    cables = np.einsum("ijn,ab->iajbn", m, np.eye(3))
-    arms = np.eye(3)[:, :, None] * (system.arm_mass / 3.0)
-    n_dropper, n_spring = len(system.dropper_length), len(system.spring_dofs)
-    return TangentParts(cables, np.zeros((3, 3, n_dropper)), arms, np.zeros(n_spring))
+    cables = system.cables
+    m = ancf.mass_matrix(cables.length, cables.mass)
+    none = [np.zeros((3, 3, len(part))) for part in (system.ties, system.clamps, system.grounds)]
+    stays = np.eye(3)[:, :, None] * (system.stays.mass / 3.0)
+    return PartMatrices(np.einsum("ijn,ab->iajbn", m, np.eye(3)), none[0], none[1], stays, none[2])
+
+
+def ground_dampers(system: System, parts: PartMatrices) -> PartMatrices:
+    """Return the dampers of the grounds in the layout of ``parts``."""
+    dampers = np.moveaxis(system.grounds.damping, 0, -1)
+    return replace(parts.scaled(), grounds=dampers)
 
 
 def lumped_mass(system: System) -> Array:
@@ -275,22 +263,21 @@ def lumped_mass(system: System) -> Array:
     return diagonal.ravel()
 
 
-def weight_load(system: System, dropper_mass: float, gravity: float) -> Array:
-    """Return the weight of wires and droppers as nodal loads, ``(n_dof,)``.
+def weight_load(system: System, gravity: float) -> Array:
+    """Return the weight of cables and ties as nodal loads, ``(n_dof,)``.
 
     Parameters
     ----------
     system
         The line, with its unstrained lengths.
-    dropper_mass
-        Mass per unstrained length [kg/m]; half of each dropper hangs on either end.
     gravity
         [m/s2]
     """
     total = np.zeros(system.dof_count)
-    forces = np.zeros((4, 3, len(system.cable_length)))
-    forces[:, 2] = ancf.weight(system.cable_length, system.cable_mass, gravity)
-    system.add_cable_forces(total, forces)
-    half = 0.5 * dropper_mass * gravity * system.dropper_length
-    np.subtract.at(total, 6 * system.dropper_nodes + 2, half[:, None])
+    cables, ties = system.cables, system.ties
+    forces = np.zeros((4, 3, len(cables)))
+    forces[:, 2] = ancf.weight(cables.length, cables.mass, gravity)
+    cables.add_forces(total, forces)
+    half = 0.5 * ties.mass * gravity * ties.length
+    np.subtract.at(total, 6 * ties.nodes + 2, half[:, None])
     return total

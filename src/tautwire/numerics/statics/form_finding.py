@@ -40,20 +40,17 @@ class FormProblem:
         Prescribed coordinates whose equation is not solved (their reaction follows).
     cable_slot : (n_cable,)
         Degree of freedom whose column is replaced by the element's unstrained length.
-    dropper_slot : (n_dropper,)
-        Degree of freedom replaced by the dropper's unstrained length; -1 where the length is given.
-    dropper_mass : float kg/m
+    tie_slot : (n_tie,)
+        Degree of freedom replaced by the tie's unstrained length; -1 where the length is given.
     gravity : float m/s2
-    taut : (n_dropper,) bool
-        Droppers that carry force.
+    taut : (n_tie,) bool
+        Ties that carry force.
     """
 
     system: System
     held: NDArray[np.bool_]
     cable_slot: Index
-    dropper_slot: Index
-    dropper_mass: float
-    dropper_axial_stiffness: Array | None
+    tie_slot: Index
     gravity: float
     taut: NDArray[np.bool_]
 
@@ -93,43 +90,33 @@ class _FormFinder:
     def __init__(self, problem: FormProblem) -> None:
         self.problem = problem
         system = problem.system
-        self.n_dof, self.n_cable = system.dof_count, len(system.cable_length)
+        self.n_dof, self.n_cable = system.dof_count, len(system.cables)
         self.pattern = Pattern(system)
         self.replaced = np.zeros(self.n_dof, dtype=bool)
         self.replaced[problem.cable_slot] = True
-        self.free_length = np.flatnonzero(problem.dropper_slot >= 0)
-        self.replaced[problem.dropper_slot[self.free_length]] = True
+        self.free_length = np.flatnonzero(problem.tie_slot >= 0)
+        self.replaced[problem.tie_slot[self.free_length]] = True
         keep = ~problem.held[self.pattern.rows]
         keep &= ~(problem.held | self.replaced)[self.pattern.cols]
         self.kept = np.flatnonzero(keep)
-        self.cable_dofs = (6 * system.cable_nodes[:, :, None] + np.arange(6)).reshape(-1, 12).T
-        self.dropper_dofs = (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6).T
 
     def unpack(self, x: Array) -> System:
         """Return the system at coordinates and lengths ``x``."""
-        q, cables, droppers = np.split(x, [self.n_dof, self.n_dof + self.n_cable])
-        changes: dict[str, Any] = {
-            "position": q,
-            "cable_length": cables,
-            "dropper_length": droppers,
-        }
-        if self.problem.dropper_axial_stiffness is not None:
-            changes["dropper_stiffness"] = self.problem.dropper_axial_stiffness / droppers
-        system = self.problem.system.with_(**changes)
-        weight = weight_load(system, self.problem.dropper_mass, self.problem.gravity)
-        return system.with_(load=system.load + weight)
-
-    def axial_forces(self, system: System) -> tuple[Array, Array]:
-        """Return unbalanced nodal forces Q - load and dropper forces."""
-        taut = self.problem.taut
-        stiffness = np.where(taut, system.dropper_stiffness, 0.0)
-        force = internal_force(
-            system.with_(dropper_stiffness=stiffness), system.position, slackening=False
+        q, cables, ties = np.split(x, [self.n_dof, self.n_dof + self.n_cable])
+        given = self.problem.system
+        system = given.with_(
+            position=q, cables=given.cables.with_(length=cables), ties=given.ties.of_length(ties)
         )
-        return force.nodal - system.load, force.dropper_axial
+        return system.with_(load=system.load + weight_load(system, self.problem.gravity))
+
+    def unbalanced(self, system: System) -> Array:
+        """Return the unbalanced nodal forces Q - load, slack ties left out."""
+        stiffness = np.where(self.problem.taut, system.ties.stiffness, 0.0)
+        acting = system.with_(ties=system.ties.with_(stiffness=stiffness))
+        return internal_force(acting, system.position, slackening=False).nodal - system.load
 
     def residual(self, x: Array) -> Array:
-        r, _ = self.axial_forces(self.unpack(x))
+        r = self.unbalanced(self.unpack(x))
         return np.where(self.problem.held, 0.0, r)
 
     def direction(self, x: Array, r: Array) -> Array | None:
@@ -149,7 +136,7 @@ class _FormFinder:
         parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
         values = self.pattern.values(parts)[self.kept]
         rows, cols = self.pattern.rows[self.kept], self.pattern.cols[self.kept]
-        blocks = [(rows, cols, values), self.cable_columns(system), self.dropper_columns(system)]
+        blocks = [(rows, cols, values), self.cable_columns(system), self.tie_columns(system)]
         rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
         keep = ~self.problem.held[rows]
         flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
@@ -161,49 +148,47 @@ class _FormFinder:
 
     def cable_columns(self, system: System) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dL0 of the wire elements."""
-        column = ancf.length_derivative(system.cable_coordinates(system.position), system.section)
+        cables = system.cables
+        column = ancf.length_derivative(cables.coordinates(system.position), cables.section)
         column[:, 2] -= ancf.weight_length_derivative(
-            system.cable_length, system.cable_mass, self.problem.gravity
+            cables.length, cables.mass, self.problem.gravity
         )
-        cols = np.broadcast_to(self.problem.cable_slot, self.cable_dofs.shape)
-        return self.cable_dofs.ravel(), cols.ravel(), column.reshape(-1)
+        cols = np.broadcast_to(self.problem.cable_slot, cables.dofs.shape)
+        return cables.dofs.ravel(), cols.ravel(), column.reshape(-1)
 
-    def dropper_columns(self, system: System) -> tuple[Index, Index, Array]:
-        """Return d(Q - G)/dL0 of the droppers whose length is sought."""
-        free = self.free_length
-        state = system.dropper_state(system.position)
-        rate = -system.dropper_stiffness
-        if self.problem.dropper_axial_stiffness is not None:
-            rate = rate * state.length / system.dropper_length
+    def tie_columns(self, system: System) -> tuple[Index, Index, Array]:
+        """Return d(Q - G)/dL0 of the ties whose length is sought."""
+        free, ties = self.free_length, system.ties
+        state = ties.state(system.position)
+        rate = -ties.stiffness
+        rate = np.where(np.isnan(ties.axial), rate, rate * state.length / ties.length)
         pull = rate * state.direction
         column = np.concatenate([pull, -pull])
-        half = 0.5 * self.problem.dropper_mass * self.problem.gravity
-        column[[2, 5]] += half
-        rows = self.dropper_dofs[:, free]
-        cols = np.broadcast_to(self.problem.dropper_slot[free], rows.shape)
+        column[[2, 5]] += 0.5 * ties.mass * self.problem.gravity
+        rows = ties.dofs[:, free]
+        cols = np.broadcast_to(self.problem.tie_slot[free], rows.shape)
         return rows.ravel(), cols.ravel(), column[:, free].ravel()
 
     def pack_step(self, step: Array) -> Array:
         """Distribute a solution over coordinates and lengths."""
         problem = self.problem
         dq = np.where(problem.held | self.replaced, 0.0, step)
-        droppers = np.zeros(len(problem.dropper_slot))
-        droppers[self.free_length] = step[problem.dropper_slot[self.free_length]]
-        return np.concatenate([dq, step[problem.cable_slot], droppers])
+        ties = np.zeros(len(problem.tie_slot))
+        ties[self.free_length] = step[problem.tie_slot[self.free_length]]
+        return np.concatenate([dq, step[problem.cable_slot], ties])
 
     def limits(self) -> Array:
         """Return the largest step of each unknown."""
         nodal = np.repeat([_LARGEST_STEP["position"], _LARGEST_STEP["slope"]], 3)
-        lengths = self.n_cable + len(self.problem.dropper_slot)
+        lengths = self.n_cable + len(self.problem.tie_slot)
         return np.concatenate(
             [np.tile(nodal, self.n_dof // 6), np.full(lengths, _LARGEST_STEP["length"])]
         )
 
     def solve(self, residual: float) -> Form:
         start = self.problem.system
-        x = np.concatenate([start.position, start.cable_length, start.dropper_length])
+        x = np.concatenate([start.position, start.cables.length, start.ties.length])
         settings = NewtonSettings(increment=_INCREMENT, residual=residual)
         newton = damped_newton(x, self.residual, self.direction, self.limits(), settings)
         system = self.unpack(newton.x)
-        reactions, _ = self.axial_forces(system)
-        return Form(system, reactions, newton)
+        return Form(system, self.unbalanced(system), newton)

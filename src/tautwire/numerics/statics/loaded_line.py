@@ -58,8 +58,9 @@ class StaticSolver:
         self._system = system
         self._increment = increment
         self._pattern = Pattern(system)
-        state = system.dropper_state(system.position)
-        self._taut0 = state.length > system.dropper_length
+        ties = system.ties
+        state = ties.state(system.position)
+        self._taut0 = ties.acting(ties.stiffness * (state.length - ties.length))
         factor = self._factor(system.position, self._taut0)
         if factor is None:
             raise ValueError("the tangent of the static state is not positive definite")
@@ -81,7 +82,7 @@ class StaticSolver:
     def _unit_dropper_loads(self, direction: Array) -> tuple[Array, Array]:
         """Return dofs and values of a unit tension in each dropper, both ``(n_dropper, 6)``."""
         system = self._system
-        dofs = (6 * system.dropper_nodes[:, :, None] + np.arange(3)).reshape(-1, 6)
+        dofs = system.ties.dofs.T
         pull = np.concatenate([direction.T, -direction.T], axis=1)
         return dofs, np.where(system.fixed[dofs], 0.0, pull)
 
@@ -99,7 +100,7 @@ class StaticSolver:
         force = internal_force(self._system, q)
         r = self._system.load + extra - force.nodal
         r[self._system.fixed] = 0.0
-        return r, force.dropper_axial
+        return r, force.tie_axial
 
     def _size(self, dq: Array) -> float:
         return float(np.abs(dq[self._system.translations]).max())
@@ -110,7 +111,7 @@ class StaticSolver:
         r, axial = self._residual(q, extra)
         while count < _MODIFIED_ITERATIONS:
             count += 1
-            slack = np.flatnonzero(self._taut0 & (axial <= 0.0))
+            slack = np.flatnonzero(self._taut0 & ~self._system.ties.acting(axial))
             dq = self._base.solve(r)
             if len(slack):
                 dq = self._without(slack, dq)
@@ -129,7 +130,7 @@ class StaticSolver:
         dofs, pull = self._dofs[slack], self._pull[slack]
         responses = np.column_stack([self._response_to(int(i)) for i in slack])
         small = np.einsum("ik,ikj->ij", pull, responses[dofs])
-        small -= np.diag(1.0 / self._system.dropper_stiffness[slack])
+        small -= np.diag(1.0 / self._system.ties.stiffness[slack])
         amplitude = np.linalg.solve(small, np.einsum("ik,ik->i", pull, dq[dofs]))
         return dq - responses @ amplitude
 
@@ -139,7 +140,7 @@ class StaticSolver:
         r, axial = self._residual(q, extra)
         while count < _FULL_ITERATIONS:
             count += 1
-            factor = self._factor(q, axial > 0.0)
+            factor = self._factor(q, self._system.ties.acting(axial))
             if factor is None:
                 return StaticResponse(Status.SINGULAR, q, axial, count)
             dq = factor.solve(r)

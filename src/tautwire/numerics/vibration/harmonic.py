@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from tautwire.numerics.elements.bar import bar_tangent
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import (
     System,
-    TangentParts,
+    ground_dampers,
     lumped_mass,
     mass_parts,
     tangent_parts,
@@ -35,13 +37,11 @@ class HarmonicLine:
     def __init__(self, system: System) -> None:
         self._pattern = Pattern(system)
         parts = tangent_parts(system, system.position)
-        state = system.dropper_state(system.position)
-        axial = bar_tangent(state, system.dropper_stiffness, np.zeros(len(state.length)))
-        proportional = TangentParts(parts.cables, axial, parts.arms, 0.0 * parts.springs)
-        supports = TangentParts(
-            0.0 * parts.cables, 0.0 * parts.droppers, 0.0 * parts.arms, system.spring_damping
-        )
-        a_r, b_r = system.damping_mass, system.damping_stiffness
+        state = system.ties.state(system.position)
+        axial = bar_tangent(state, system.ties.stiffness, np.zeros(len(state.length)))
+        proportional = replace(parts.scaled(cables=1.0, stays=1.0), ties=axial)
+        supports = ground_dampers(system, parts)
+        a_r, b_r = system.damping.mass, system.damping.stiffness
         values = self._pattern.values
         self._stiffness, self._mass = values(parts), values(mass_parts(system))
         self._damping = a_r * self._mass + b_r * values(proportional) + values(supports)

@@ -102,6 +102,8 @@ def _summary(table: StudyTable) -> Section:
     if counts["missing"]:
         text = "The study was stopped; start it again with --resume to compute the rest."
         blocks.append(Callout((text,)))
+    if table.mixture():
+        blocks.append(Callout((table.mixture(),)))
     failures = table.failures()
     if failures:
         blocks.append(
