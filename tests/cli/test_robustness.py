@@ -80,7 +80,7 @@ VALUES = [
     _set("half a span", "line.spans=2.5", "line.spans", "whole number"),
     _set("section outside the line", "settings.section=[10, 20]", "settings.section", "17"),
     _set("start behind half of the line", "settings.start=500 m", "settings.start", "got 500 m",
-         "half of the line of 935 m", "nearer to the anchor"),
+         "the line is 935 m long", "nearer to the anchor"),
     Bad("start behind the section",
         ("check", "ac-simple", "--set", "settings.start=400 m", "--set", "settings.section=[2, 4]"),
         ("from 400 m to 535 m never meets", "settings.section")),

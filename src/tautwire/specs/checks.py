@@ -257,8 +257,8 @@ def check_start(line: Line, settings: Settings) -> list[Problem]:
     supports = line.support_positions()
     cure = "start nearer to the anchor (typical: 5 m)"
     if 2.0 * start >= length:
-        what = f"half of the line of {length:g} m or more, so that nothing is left to run; {cure}"
-        return [Problem(("settings", "start"), f"got {start:g} m, {what}")]
+        what = f"the line is {length:g} m long and a passage leaves out as much at its other end"
+        return [Problem(("settings", "start"), f"got {start:g} m; {what}: {cure}")]
     if supports[last] <= start or supports[first - 1] >= length - start:
         what = (
             f"a passage from {start:g} m to {length - start:g} m never meets the analysed section "
