@@ -24,7 +24,6 @@ from tautwire.model.mesh import CONTACT
 from tautwire.model.passage import plan_passage
 from tautwire.numerics.contact.path import ContactWirePath
 from tautwire.numerics.motion.backend import backend_name, make_stepper
-from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions
 from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import Newmark
@@ -88,7 +87,8 @@ def in_balance(
     path = ContactWirePath(wire.nodes, system.cables.length[wire.cables])
     flexibility = 1.0 / stiffness + float((1.0 / chain.stiffness[:-1]).sum())
     ground = given.start_height  # the base spring is slack with the head at the nominal height
-    force, extra = given.uplift_force, np.zeros(system.dof_count)
+    lift = float(given.stage_forces.sum())
+    force, extra = lift, np.zeros(system.dof_count)
     q = system.position
     for _ in range(30):
         point = path.locate(q, given.start_x)
@@ -98,12 +98,10 @@ def in_balance(
         q = solver.solve(extra).position
         height = path.locate(q, given.start_x).height  # type: ignore[union-attr]
         lowest = height - ground + force * flexibility
-        force = given.uplift_force - chain.stiffness[-1] * lowest
-    at_rest = PantographChain(chain.mass, chain.stiffness, chain.damping, force_stage=0)
+        force = lift - chain.stiffness[-1] * lowest
     start = replace(
         given,
-        chain=at_rest,
-        uplift_force=force,
+        stage_forces=force * np.eye(chain.stage_count)[0],
         ramp=0.0,
         start_height=height + force / stiffness,
     )
@@ -114,7 +112,9 @@ def with_tautwire(elements: int, seconds: float) -> tuple[History, Case]:
     """Integrate with tautwire."""
     case, system, given = line(elements)
     settings = case.settings
-    q, start = in_balance(system, replace(given, start_height=5.3), settings.contact_stiffness)
+    lift = case.uplift_forces()[0] * np.eye(given.chain.stage_count)[-1]
+    level = replace(given, start_height=5.3, stage_forces=lift)
+    q, start = in_balance(system, level, settings.contact_stiffness)
     options = StepOptions(
         Newmark(), settings.time_step, settings.contact_stiffness, tolerance=settings.tolerance
     )

@@ -199,7 +199,7 @@ def stepper(
 
 def one_stage(mass: float, stiffness: float = 0.0, damping: float = 0.0) -> PantographChain:
     """Return a pantograph of one stage."""
-    return PantographChain(np.array([mass]), np.array([stiffness]), np.array([damping]), 0)
+    return PantographChain(np.array([mass]), np.array([stiffness]), np.array([damping]))
 
 
 AC_SIMPLE: dict[str, Any] = {

@@ -13,7 +13,6 @@ BENCHMARK = PantographChain(
     np.array([7.5, 9.0, 6.0]),
     np.array([7000.0, 15500.0, 160.0]),
     np.array([45.0, 0.1, 100.0]),
-    2,
 )
 INTEGRATORS: list[Integrator] = [Newmark(), HHT(-0.05), HHT(-0.3)]
 
@@ -59,9 +58,8 @@ def test_compliance_of_a_short_step_is_that_of_the_head_mass() -> None:
 
 
 def test_uplift_force_grows_along_half_a_cosine() -> None:
-    """The force is 0 at the start, half after half the ramp, whole after it, and acts on the
-    stage it is meant for."""
-    given = PantographInput(BENCHMARK, 1.0, 5.0, 5.3, 80.0, 120.0, 0.5)
+    """The forces are 0 at the start, half after half the ramp, whole after it, stage by stage."""
+    given = PantographInput(BENCHMARK, 1.0, 5.0, 5.3, 80.0, np.array([0.0, 0.0, 120.0]), 0.5)
     times = (0.5, 1.0, 1.25, 1.5, 9.0)
     loads = np.array([given.external(t) for t in times])
     assert np.allclose(loads[:, 2], [0.0, 0.0, 60.0, 120.0, 120.0], atol=1e-12)
@@ -72,7 +70,7 @@ def test_uplift_force_grows_along_half_a_cosine() -> None:
 def test_roof_motion_pulls_through_the_last_spring_and_damper() -> None:
     """A moving roof acts on the lowest stage as k h + c dh/dt, counted from the entry."""
     roof = RoofMotion(np.array([0.0, 1.0, 3.0]), np.array([0.0, 0.02, 0.0]))
-    given = PantographInput(BENCHMARK, 1.0, 5.0, 5.3, 80.0, 0.0, 0.0, roof)
+    given = PantographInput(BENCHMARK, 1.0, 5.0, 5.3, 80.0, np.zeros(3), 0.0, roof)
     assert given.external(1.5)[2] == pytest.approx(160.0 * 0.01 + 100.0 * 0.02)
     assert given.external(3.0)[2] == pytest.approx(160.0 * 0.01 - 100.0 * 0.01)
     assert given.external(9.0)[2] == pytest.approx(0.0, abs=1e-12)

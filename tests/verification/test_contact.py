@@ -47,7 +47,9 @@ class Bounce:
 
     def computed(self, dt: float, duration: float) -> StepBlock:
         """Return the time integration."""
-        given = PantographInput(one_stage(self.mass), 0.0, 5.0, -self.gap, 0.0, self.force, 0.0)
+        given = PantographInput(
+            one_stage(self.mass), 0.0, 5.0, -self.gap, 0.0, np.array([self.force]), 0.0
+        )
         run = stepper(rigid_wire(), dt, pantographs=(given,), contact_stiffness=self.stiffness)
         return run.advance(round(duration / dt))
 
@@ -105,12 +107,12 @@ def test_roof_motion_moves_the_force(integrator: Integrator) -> None:
         np.array([7.5, 9.0, 6.0]),
         np.array([7000.0, 15500.0, 160.0]),
         np.array([450.0, 300.0, 400.0]),
-        2,
     )
     roof = RoofMotion(np.array([0.0, 0.1]), np.array([0.0, 0.05]))
+    lift = np.array([0.0, 0.0, 120.0])
     forces = []
     for given in (None, roof):
-        panto = PantographInput(chain, 0.0, 5.0, 0.0, 0.0, 120.0, 0.1, given)
+        panto = PantographInput(chain, 0.0, 5.0, 0.0, 0.0, lift, 0.1, given)
         run = stepper(rigid_wire(), 8e-3, pantographs=(panto,), integrator=integrator)
         forces.append(run.advance(225).contact_force[-1, 0])
     above = 1.0 / 2e5 + 1.0 / 7000.0 + 1.0 / 15500.0
@@ -135,7 +137,7 @@ def test_lowered_pantograph_leaves_the_line_at_rest() -> None:
     """A pantograph that never touches has no force, and the line does not move."""
     case = ac_simple(line__spans=2, settings__section=(1, 1))
     system, (given,) = entering(case)
-    low = moved(given, start_height=given.start_height - 0.5, uplift_force=0.0)
+    low = moved(given, start_height=given.start_height - 0.5, stage_forces=np.zeros(3))
     run = stepper(system, 1e-3, pantographs=(low,), tolerance=1e-12)
     block = run.advance(60)
     assert (block.contact_force == 0.0).all()
@@ -148,7 +150,9 @@ def test_pantograph_momentum_balance() -> None:
     uplift force less contact force, exactly as the trapezoidal rule of Newmark sums it."""
     case = ac_simple(line__spans=2, settings__section=(1, 1))
     system, (benchmark,) = entering(case)
-    given = moved(benchmark, chain=one_stage(16.0))
+    given = moved(
+        benchmark, chain=one_stage(16.0), stage_forces=benchmark.stage_forces.sum(keepdims=True)
+    )
     run = stepper(system, 1e-3, pantographs=(given,), tolerance=1e-12)
     block = run.advance(200)
     net = np.array([given.external(t)[0] for t in block.time]) - block.contact_force[:, 0]
@@ -167,7 +171,9 @@ def test_momentum_balance_with_changing_steps() -> None:
     takes no momentum."""
     case = ac_simple(line__spans=2, settings__section=(1, 1))
     system, (benchmark,) = entering(case)
-    given = moved(benchmark, chain=one_stage(16.0))
+    given = moved(
+        benchmark, chain=one_stage(16.0), stage_forces=benchmark.stage_forces.sum(keepdims=True)
+    )
     run = stepper(system, 1e-3, pantographs=(given,), tolerance=1e-12)
     sizes = 1e-3 / 2.0 ** np.random.default_rng(2).integers(0, 4, 120)
     blocks = [run.advance(1, float(size)) for size in sizes]

@@ -193,7 +193,7 @@ def test_standing_pantograph_settles_at_the_elasticity() -> None:
     at = result.kind.index("dropper") + 2 * 4
     x = float(result.x[at])
     height = float(shape.dropper_heights[shape.dropper_x == x][0])
-    given = PantographInput(one_stage(8.0), 0.0, x, height, 0.0, 60.0, 0.3)
+    given = PantographInput(one_stage(8.0), 0.0, x, height, 0.0, np.array([60.0]), 0.3)
     run = stepper(system, 1e-2, pantographs=(given,), contact_stiffness=2e4, tolerance=1e-9)
     block = run.advance(400)
     settled = float(block.wire_height[-1, 0] - height)

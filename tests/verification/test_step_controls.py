@@ -96,7 +96,7 @@ def computed(control: StepControl, duration: float = DURATION) -> Computed:
     """Integrate the bounce."""
     exact = Bounce()
     given = PantographInput(
-        one_stage(exact.mass), 0.0, 5.0, -exact.gap, 0.0, exact.force, exact.ramp
+        one_stage(exact.mass), 0.0, 5.0, -exact.gap, 0.0, np.array([exact.force]), exact.ramp
     )
     run = stepper(
         rigid_wire(),

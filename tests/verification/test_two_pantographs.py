@@ -91,7 +91,9 @@ def test_vanishing_second_pantograph_changes_nothing() -> None:
     """A second pantograph that is lowered (below the wire, pulled down) has no contact force and
     leaves the run of the first unchanged to 1e-9."""
     system, (front, rear) = entering(train(2))
-    low = moved(rear, start_height=rear.start_height - 0.3, uplift_force=-50.0)
+    low = moved(
+        rear, start_height=rear.start_height - 0.3, stage_forces=np.array([0.0, 0.0, -50.0])
+    )
     wire = 6 * system.paths[0].nodes[::20] + 2
     run = stepper(
         system,

@@ -147,7 +147,7 @@ def test_frequency_in_time() -> None:
 
 def force_at(position: float, velocity: float, force: float, ramp: float) -> PantographInput:
     """Return a pantograph so light that it applies a constant force."""
-    return PantographInput(one_stage(1e-4), 0.0, position, 0.0, velocity, force, ramp)
+    return PantographInput(one_stage(1e-4), 0.0, position, 0.0, velocity, np.array([force]), ramp)
 
 
 def test_point_impedance(record_validation: Record) -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tautwire.errors import ModelError
 from tautwire.model.build import Model
@@ -15,11 +16,19 @@ from tautwire.numerics.motion.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.pantograph import Pantograph
 
+Array = NDArray[np.float64]
+
 LOWERED = 1.0
 """Distance of a lowered pantograph from the wire at the start [m]."""
 
 ROOM_AT_END = 0.1
 """Distance from the far end that no pantograph passes [m]: a weighted end moves by centimetres."""
+
+_POINTS_PER_SPAN = 101
+"""Points over which the height of a span is averaged; the mean of 55 mm of sag is 0.1 mm off."""
+
+BASE_SPRING_SHARE = 0.05
+"""Share of the mean force beyond which the base spring's part in it is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +38,8 @@ class Passage:
     Attributes
     ----------
     pantographs : tuple of PantographInput
+    uplift_forces : tuple of float N
+        One per pantograph.
     duration : float s
         Until the leading pantograph has reached the far end of the line.
     latest : float s
@@ -37,6 +48,7 @@ class Passage:
     """
 
     pantographs: tuple[PantographInput, ...]
+    uplift_forces: tuple[float, ...]
     duration: float
     latest: float
     warnings: tuple[str, ...] = ()
@@ -47,7 +59,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
 
     Each pantograph enters at the same place (``settings.start`` from the anchor), at rest and just
     touching the wire in its static position, when the train has brought it there. One without
-    uplift force is lowered and does not touch the wire.
+    uplift force is lowered and does not touch the wire. The spring on the roof carries nothing
+    when the head is at the working height, wherever the line begins.
 
     Parameters
     ----------
@@ -73,23 +86,72 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     height = float(np.interp(start_x, wire[:, 0], wire[:, 2]))
     surface = surface_profile(model.irregularities)
     height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
-    heights = [height if force > 0.0 else height - LOWERED for force in forces]
+    running = _running_heights(model, shape)
     inputs = tuple(
         PantographInput(
             chain=_chain(spec),
             start_time=spec.behind / case.scenario.speed,
             start_x=start_x,
-            start_height=start,
+            start_height=height if force > 0.0 else height - LOWERED,
             velocity=sign * case.scenario.speed,
-            uplift_force=force,
+            stage_forces=_stage_forces(spec, force, case.scenario.speed, height, running),
             ramp=case.settings.ramp,
             roof=_roof(spec),
             surface=surface,
         )
-        for spec, force, start in zip(case.pantographs, forces, heights, strict=True)
+        for spec, force in zip(case.pantographs, forces, strict=True)
     )
+    warnings = [
+        text
+        for spec, force in zip(case.pantographs, forces, strict=True)
+        for text in _base_spring_warning(spec, force, running)
+    ]
     latest = (length - case.settings.start - ROOM_AT_END) / case.scenario.speed
-    return Passage(inputs, duration, latest)
+    return Passage(inputs, tuple(forces), duration, latest, tuple(warnings))
+
+
+def _running_heights(model: Model, shape: Equilibrium) -> Array:
+    """Return the static height of the contact wire, averaged over each analysed span [m].
+
+    The sag inside the spans, which repeats and belongs to the design, is averaged out.
+    """
+    first, last = model.case.resolved_section()
+    supports = np.array(model.case.line.support_positions()[first - 1 : last + 1])
+    at = np.linspace(supports[:-1], supports[1:], _POINTS_PER_SPAN)
+    wire = shape.contact_position
+    return np.interp(at, wire[:, 0], wire[:, 2]).mean(axis=0)
+
+
+def _stage_forces(
+    spec: Pantograph, uplift: float, speed: float, start: float, running: Array
+) -> Array:
+    """Return what acts on the stages of a raised pantograph, ``(n_stage,)`` [N].
+
+    The base spring of the equations counts from the start, so its force there, with the head at
+    ``start`` instead of the working height, is given as a load.
+    """
+    forces = np.zeros(len(spec.stages))
+    if uplift == 0.0:
+        return forces
+    forces += [stage.force.at(speed) for stage in spec.stages]
+    forces[spec.lifted_stage()] += uplift
+    working = float(running.mean()) if spec.working_height is None else spec.working_height
+    forces[-1] -= spec.stages[-1].stiffness * (start - working)
+    return forces
+
+
+def _base_spring_warning(spec: Pantograph, uplift: float, running: Array) -> Iterator[str]:
+    """Tell that heights and base spring together change the mean force noticeably."""
+    stiffness, spread = spec.stages[-1].stiffness, float(np.ptp(running))
+    if stiffness * spread > BASE_SPRING_SHARE * uplift > 0.0:
+        yield (
+            f"pantograph {spec.name!r}: the spring on its roof ({stiffness:g} N/m) changes the "
+            f"contact force by {stiffness * spread:.1f} N over the {1e3 * spread:.0f} mm between "
+            "the lowest and the highest span of the analysed section, more than "
+            f"{100 * BASE_SPRING_SHARE:g} % of the uplift force of {uplift:.1f} N; a real "
+            "pantograph lifts almost evenly over its working range: check the stiffness of its "
+            "last stage (most lie between 0 and 200 N/m)"
+        )
 
 
 def _chain(spec: Pantograph) -> PantographChain:
@@ -97,7 +159,6 @@ def _chain(spec: Pantograph) -> PantographChain:
         mass=np.array([s.mass for s in spec.stages]),
         stiffness=np.array([s.stiffness for s in spec.stages]),
         damping=np.array([s.damping for s in spec.stages]),
-        force_stage=spec.lifted_stage(),
     )
 
 

@@ -13,6 +13,24 @@ RoofHeight = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-20 to 20 
 Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^/\\\x00-\x1f\x7f]+$")]
 
 
+class ForceLaw(Spec):
+    """A vertical force over speed: constant + per_speed * v + per_speed_squared * v^2."""
+
+    constant: Annotated[float, Quantity("N", ge=-1e3, le=1e3, typical="0 N")] = Field(
+        default=0.0, description="Part that does not depend on the speed."
+    )
+    per_speed: Annotated[float, Quantity("N s/m", ge=-100.0, le=100.0)] = Field(
+        default=0.0, description="Increase with the speed, in N per m/s."
+    )
+    per_speed_squared: Annotated[
+        float, Quantity("N/(m/s)^2", ge=-1.0, le=1.0, typical="0.00097 N/(km/h)^2")
+    ] = Field(default=0.0, description="Increase with the speed squared.")
+
+    def at(self, speed: float) -> float:
+        """Return the force [N] at a speed in m/s."""
+        return self.constant + self.per_speed * speed + self.per_speed_squared * speed**2
+
+
 class Stage(Spec):
     """One lumped mass with the spring and the damper below it."""
 
@@ -24,6 +42,11 @@ class Stage(Spec):
     )
     damping: Annotated[float, Quantity("N s/m", ge=0.0, le=1e7, typical="0 to 100 N s/m")] = Field(
         default=0.0, description="Damping to the stage below; of the last stage, to the roof."
+    )
+    force: ForceLaw = Field(
+        default=ForceLaw(),
+        description="Force on this stage over speed, upwards, such as the aerodynamic force of a "
+        "frame; it acts besides the uplift force.",
     )
 
 
@@ -88,6 +111,14 @@ class Pantograph(Spec):
         default=None,
         description="Stage on which the uplift force acts, 1 being the head; the lowest if left "
         "out.",
+    )
+    working_height: (
+        Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.0 to 5.5 m")] | None
+    ) = Field(
+        default=None,
+        description="Height of the head at which the spring on the roof carries nothing, in the "
+        "height system of the line; the mean height of the contact wire in the analysed section "
+        "if left out.",
     )
     roof_motion: RoofMotion | None = Field(
         default=None, description="Prescribed motion of the roof; none if left out."

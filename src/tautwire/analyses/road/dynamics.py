@@ -344,13 +344,12 @@ def _records(
     ends = np.cumsum([len(p.stages) for p in case.pantographs])
     target = case.scenario.target_mean_force()
     records = []
-    for i, (spec, given) in enumerate(
-        zip(case.pantographs, simulation.passage.pantographs, strict=True)
-    ):
+    passage = simulation.passage
+    for i, (spec, given) in enumerate(zip(case.pantographs, passage.pantographs, strict=True)):
         records.append(
             PantographRecord(
                 name=spec.name,
-                uplift_force=given.uplift_force,
+                uplift_force=passage.uplift_forces[i],
                 target_mean=target,
                 position=given.start_x + given.velocity * (time - given.start_time),
                 contact_force=joined["contact_force"][:, i],

@@ -23,14 +23,11 @@ class PantographChain:
     Attributes
     ----------
     mass, stiffness, damping : (n_stage,) kg, N/m, N s/m
-    force_stage : int
-        0-based stage on which the uplift force acts.
     """
 
     mass: Array
     stiffness: Array
     damping: Array
-    force_stage: int
 
     @property
     def stage_count(self) -> int:

@@ -95,11 +95,13 @@ class PantographInput:
     start_x : float m
         Where it enters.
     start_height : float m
-        Height of the head at the start; its base spring is slack there.
+        Height of the head at the start.
     velocity : float m/s
         Along x; negative in running direction -x.
-    uplift_force : float N
-        Reached after ``ramp`` seconds, along half a cosine.
+    stage_forces : (n_stage,) N
+        Uplift force and whatever else acts on the stages, reached after ``ramp`` seconds along
+        half a cosine. The base spring counts from the start; where it carries nothing at another
+        height, its force at the start is among these.
     ramp : float s
     roof : RoofMotion or None
     surface : SurfaceProfile or None
@@ -111,7 +113,7 @@ class PantographInput:
     start_x: float
     start_height: float
     velocity: float
-    uplift_force: float
+    stage_forces: Array
     ramp: float
     roof: RoofMotion | None = None
     surface: SurfaceProfile | None = None
@@ -126,13 +128,12 @@ class PantographInput:
         return np.zeros(np.shape(place)) if self.surface is None else self.surface.at(place)
 
     def external(self, time: float) -> Array:
-        """Return uplift force and roof motion as forces on the stages, ``(n_stage,)`` [N]."""
+        """Return the forces on the stages, that of the roof's motion included, in N."""
         since = time - self.start_time
         share = 1.0
         if since < self.ramp:
             share = 0.5 - 0.5 * np.cos(np.pi * max(since, 0.0) / self.ramp)
-        load = np.zeros(self.chain.stage_count)
-        load[self.chain.force_stage] = share * self.uplift_force
+        load = share * self.stage_forces
         if self.roof is not None:
             height, velocity = self.roof.at(since)
             load[-1] += self.chain.stiffness[-1] * height + self.chain.damping[-1] * velocity
