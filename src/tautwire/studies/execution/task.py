@@ -6,12 +6,10 @@ A row holds SI numbers only, so it can be written as JSON and sent between machi
 from __future__ import annotations
 
 import math
-import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from tautwire.errors import ConvergenceError, InputError, ModelError
@@ -127,6 +125,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
     from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
     from tautwire.analyses.force.statistics import contact_statistics
     from tautwire.analyses.road.pipeline import run_case
+    from tautwire.results.storage import run_image
     from tautwire.signals.filters import Butterworth, SharpLowpass
 
     run = run_case(case)
@@ -162,20 +161,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "backend": str(run.counters.get("backend", "")),
         "pantographs": pantographs,
     }
-    return values, run_bytes(run) if keep_run else None
-
-
-def run_bytes(run: Any) -> bytes:
-    """Return a run as the bytes of its netCDF file."""
-    from tautwire.results.storage import save_run
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.nc"
-        try:
-            save_run(run, path)
-        except InputError as error:
-            raise OSError(str(error)) from error
-        return path.read_bytes()
+    return values, run_image(run) if keep_run else None
 
 
 def plain(value: Any) -> Any:
