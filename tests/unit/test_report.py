@@ -315,6 +315,19 @@ def test_runs_are_overlaid(overlaid: _Page) -> None:
     assert len({trace["line"]["dash"] for trace in low}) == 3
 
 
+def test_masthead_speaks_of_every_run(tmp_path: Path) -> None:
+    """Lines, sections, stiffnesses and hashes of all runs stand in the head, not the first's."""
+    one = make_run(make_case(spans=8))
+    other = make_run(make_case(spans=12, settings={"contact_stiffness": 5e4}))
+    path = write_report([one, other], tmp_path / "report.html", labels=["long", "short"])
+    text = path.read_text(encoding="utf-8")
+    head = text[text.index("<header") : text.index("</header")]
+    assert "8 spans, 440 m and 12 spans, 660 m" in head
+    assert "200 kN/m and 50 kN/m" in head
+    for run in (one, other):
+        assert run.case.hash()[:12] in text[text.rindex("<footer") :]
+
+
 def test_runs_stand_side_by_side(overlaid: _Page) -> None:
     """The statistics have a column per run, pantograph and filter; differences are listed."""
     assert "200 kN/m, front 50 kN/m, front 50 kN/m, rear" in overlaid.text
