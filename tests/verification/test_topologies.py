@@ -60,6 +60,21 @@ def test_full_newton(name: str) -> None:
     np.testing.assert_allclose(fast.contact_force, full.contact_force, rtol=0.0, atol=1e-4)
 
 
+@pytest.mark.parametrize("path", [True, False])
+def test_without_pantograph(path: bool) -> None:
+    """Wires swing alike in both backends when nothing runs under them, with or without a path."""
+    system = TOPOLOGIES["stitched"]().system()
+    system = system if path else system.with_(paths=system.paths[:0])
+    options = StepOptions(Newmark(), 1e-3, 5e4, tolerance=1e-12)
+    middle = 6 * (system.node_count // 2) + np.arange(3)
+    native = backend.make_stepper(system, (), options, middle, "native").advance(50)
+    assert native.contact_force.shape == native.gap.shape == (50, 0)
+    if path:
+        reference = backend.make_stepper(system, (), options, middle, "reference").advance(50)
+        np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-9)
+    assert np.ptp(native.observed[:, 2]) > 1e-4
+
+
 def test_wires_that_branch_are_refused() -> None:
     """A node with two elements to its right, and a ring, cannot be laid end to end."""
     with pytest.raises(NotAChainError, match="two wire elements to one side"):

@@ -191,6 +191,8 @@ class NativeStepper:
 
     def _of_pantographs(self, histories: dict[str, Array]) -> dict[str, Array]:
         """Return histories with those of pairs (pantograph, path) joined to pantographs."""
+        if not self._inputs:
+            return histories
         shape = (-1, len(self._inputs), self._paths)
         force, gap, height = (histories[name].reshape(shape) for name in _OF_PAIRS)
         nearest = np.argmin(np.where(np.isnan(gap), np.inf, gap), axis=2)[..., None]
@@ -233,7 +235,9 @@ class NativeStepper:
             "time_step": time_step,
             "frame": _straight_frames(x),
             "rise": np.repeat(rise, self._paths, axis=1),
-            "on_line": _columns([end >= g.start_time - _SAME_TIME for g in self._inputs], steps),
+            "on_line": _columns(
+                [end >= g.start_time - _SAME_TIME for g in self._inputs], steps, dtype=bool
+            ),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),
             "observed": self._observed,
@@ -250,9 +254,9 @@ class _Known:
     arrays: dict[str, Any]
 
 
-def _columns(values: list[Array], steps: int) -> Array:
+def _columns(values: list[Array], steps: int, dtype: type = float) -> Array:
     """Return a contiguous array with one column per pantograph, ``(steps, n)``."""
-    return np.stack(values, axis=1) if values else np.empty((steps, 0))
+    return np.stack(values, axis=1) if values else np.empty((steps, 0), dtype=dtype)
 
 
 def _straight_frames(x: Array) -> Array:
