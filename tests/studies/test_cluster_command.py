@@ -305,7 +305,7 @@ def test_mixed_instruction_sets(
 ) -> None:
     """Workers with different instruction sets are named in the terminal, table and report."""
     with Cluster(tmp_path) as cluster:
-        cluster.add_worker(TAUTWIRE_SIMD="generic")
+        cluster.add_worker(TAUTWIRE_SIMD="plain")
         cluster.add_worker(TAUTWIRE_SIMD="v2")
         cluster.wait_for_workers(2)
         outcome = study("--cluster", cluster.address, "--json")

@@ -2,16 +2,22 @@
 
 #include <chrono>
 #include <cstring>
-#include <stdexcept>
-#include <string>
+#include <iterator>
+#include <vector>
 
 #if defined(_MSC_VER) && defined(_M_X64)
+#define NOMINMAX  // windows.h must not define min and max
+#define WIN32_LEAN_AND_MEAN
 #include <windows.h>
 #endif
 
 namespace tautwire {
 
-// Defined by kernel.cpp, once per instruction set; TAUTWIRE_X86 comes from CMakeLists.txt.
+// Defined by kernel.cpp, once per instruction set; TAUTWIRE_X86 comes from CMakeLists.txt. The plain
+// kernels use no vector types and run everywhere.
+namespace plain {
+extern const Backend kBackend;
+}
 #ifdef TAUTWIRE_X86
 namespace v4 {
 extern const Backend kBackend;
@@ -22,19 +28,22 @@ extern const Backend kBackend;
 namespace v2 {
 extern const Backend kBackend;
 }
-const Backend* const kBackends[] = {&v4::kBackend, &v3::kBackend, &v2::kBackend};  // fastest first
+const Backend* const kBackends[] = {&v4::kBackend, &v3::kBackend, &v2::kBackend,
+                                    &plain::kBackend};  // fastest first
 #else
 namespace generic {
 extern const Backend kBackend;
 }
-const Backend* const kBackends[] = {&generic::kBackend};
+const Backend* const kBackends[] = {&generic::kBackend, &plain::kBackend};
 #endif
 
 namespace {
 
 bool runs(const char* name) {
 #if defined(_MSC_VER) && defined(_M_X64)
-    constexpr DWORD kAvx2 = 40, kAvx512 = 41;  // PF_..._INSTRUCTIONS_AVAILABLE, missing in old SDKs
+    // PF_..._INSTRUCTIONS_AVAILABLE, missing in old SDKs.
+    constexpr DWORD kSse42 = 38, kAvx2 = 40, kAvx512 = 41;
+    if (!std::strcmp(name, "v2")) return IsProcessorFeaturePresent(kSse42);
     if (!std::strcmp(name, "v4")) return IsProcessorFeaturePresent(kAvx512);
     if (!std::strcmp(name, "v3")) return IsProcessorFeaturePresent(kAvx2);
 #elif defined(__x86_64__)
@@ -59,12 +68,15 @@ double seconds() {
     return std::chrono::duration<double>(now).count();
 }
 
-const Backend* choose_backend(const char* wanted) {
+std::vector<const Backend*> built_backends() {
+    return {std::begin(kBackends), std::end(kBackends)};
+}
+
+std::vector<const Backend*> runnable_backends() {
+    std::vector<const Backend*> out;
     for (const Backend* backend : kBackends)
-        if ((!wanted || !*wanted || !std::strcmp(wanted, backend->name)) && runs(backend->name))
-            return backend;
-    throw std::runtime_error(std::string("no compiled kernels for this processor") +
-                             (wanted ? std::string(" with TAUTWIRE_SIMD=") + wanted : ""));
+        if (runs(backend->name)) out.push_back(backend);
+    return out;
 }
 
 }  // namespace tautwire

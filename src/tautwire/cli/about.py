@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from typing import Literal
 
-from tautwire.errors import InputError
 from tautwire.version import __version__
 
 
@@ -20,14 +19,11 @@ def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     Raises
     ------
     InputError
-        When it asks for the compiled core and this installation has none.
+        When it asks for compiled kernels that are not here.
     """
     from tautwire.numerics.motion.backend import backend_name
 
-    try:
-        return backend_name(choice)
-    except RuntimeError as error:
-        raise InputError(f"settings.backend: {error}") from None
+    return backend_name(choice)
 
 
 def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
