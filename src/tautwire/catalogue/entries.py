@@ -95,7 +95,7 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
     if target.is_dir() or (target.exists() and not force):
         raise InputError(f"{target}: exists already; choose another name or remove it first")
-    _write_whole(
+    write_whole(
         target, f"# Copied from '{name}' of the tautwire library.\n" + _renamed(text, target)
     )
     return target
@@ -120,7 +120,14 @@ def _renamed(text: str, target: Path) -> str:
     return re.sub(r"^name: .*$", f'name: "{name}"', text, count=1, flags=re.MULTILINE)
 
 
-def _write_whole(target: Path, text: str) -> None:
+def write_whole(target: Path, text: str) -> None:
+    """Write a text file completely or not at all.
+
+    Raises
+    ------
+    InputError
+        When it cannot be written.
+    """
     draft = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         draft.write_text(text, encoding="utf-8")

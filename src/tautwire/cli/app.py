@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tautwire.cli import design, high_frequency
+from tautwire.cli import design, high_frequency, own_line
 from tautwire.cli.options import (
     CaseArgument,
     FreeUpliftOption,
@@ -331,3 +331,4 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
 
 high_frequency.register(app)
 design.register(app)
+own_line.register(app)
