@@ -13,29 +13,20 @@
 
 namespace tautwire {
 
-// Defined by kernel.cpp, once per instruction set; TAUTWIRE_X86 comes from CMakeLists.txt. The plain
-// kernels use no vector types and run everywhere.
-namespace plain {
-extern const Backend kBackend;
-}
-#ifdef TAUTWIRE_X86
-namespace v4 {
-extern const Backend kBackend;
-}
-namespace v3 {
-extern const Backend kBackend;
-}
-namespace v2 {
-extern const Backend kBackend;
-}
-const Backend* const kBackends[] = {&v4::kBackend, &v3::kBackend, &v2::kBackend,
-                                    &plain::kBackend};  // fastest first
-#else
-namespace generic {
-extern const Backend kBackend;
-}
-const Backend* const kBackends[] = {&generic::kBackend, &plain::kBackend};
-#endif
+// Defined by kernel.cpp, once per set of kernels; CMakeLists.txt writes kernels.inc, fastest first.
+// The plain kernels use no vector types and run everywhere.
+#define TAUTWIRE_KERNELS(set)      \
+    namespace set {                \
+    extern const Backend kBackend; \
+    }
+#include "kernels.inc"
+#undef TAUTWIRE_KERNELS
+
+const Backend* const kBackends[] = {
+#define TAUTWIRE_KERNELS(set) &set::kBackend,
+#include "kernels.inc"
+#undef TAUTWIRE_KERNELS
+};
 
 namespace {
 

@@ -3,6 +3,8 @@
 // The algorithm is that of numerics/reference_stepper.py.
 #pragma once
 
+#include <limits>
+
 #include "contact.hpp"
 #include "factors.hpp"
 #include "pantograph.hpp"
@@ -31,7 +33,7 @@ public:
 private:
     static constexpr double kSlow = 0.3;
     static constexpr int kAllowed = 2;
-    double last_ = HUGE_VAL;
+    double last_ = std::numeric_limits<double>::infinity();
     int slow_ = 0;
 };
 

@@ -107,8 +107,7 @@ def tautwire(
     if version:
         from tautwire.cli.about import show_version
 
-        show_version()
-        raise typer.Exit
+        raise typer.Exit(show_version())
 
 
 @app.command()

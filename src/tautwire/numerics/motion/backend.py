@@ -135,8 +135,8 @@ def make_stepper(
         return NativeStepper(core, system, pantographs, options, observed)
     if backend == "native":
         raise NativeCoreMissingError(
-            "settings.backend: 'native' computes lines of two wires side by side, coupled station by "
-            "station, which this line is not; choose 'auto' or 'reference'"
+            "settings.backend: 'native' computes lines of two wires side by side, coupled station "
+            "by station, which this line is not; choose 'auto' or 'reference'"
         )
     stepper = ReferenceStepper(system, pantographs, options, observed)
     if core is not None:

@@ -10,7 +10,8 @@ wire and the head's force-free position, and enters the linear solve as a rank-o
 When the increments shrink by less than a factor 0.3 twice in a step, the matrix is factored anew
 at the current state; when that does not help, the step is finished with full Newton. An iteration
 that fails is begun again with full Newton from the wires where they are: long steps make the
-prediction, with its accelerations kept, so poor that wires are pushed and the tangent is indefinite.
+prediction, with its accelerations kept, so poor that wires are pushed and the tangent is
+indefinite.
 
 A step makes a new state and leaves the old one alone, so that a state is its own mark.
 """
@@ -42,7 +43,13 @@ from tautwire.numerics.motion.step_solver import (
     Touch,
     Watchdog,
 )
-from tautwire.numerics.motion.stepper import PantographInput, StepBlock, StepCounters, StepOptions
+from tautwire.numerics.motion.stepper import (
+    PantographInput,
+    StepBlock,
+    StepCounters,
+    StepOptions,
+    reachable_tolerance,
+)
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.status import Status
 
@@ -77,6 +84,7 @@ class ReferenceStepper:
     ) -> None:
         self.counters = StepCounters()
         self._system, self._options, self._observed = system, options, observed
+        self._tolerance = reachable_tolerance(system, options)
         self._inputs = tuple(pantographs)
         path = system.paths[0]
         self._path = ContactWirePath(path.nodes, system.cables.length[path.cables])
@@ -239,7 +247,8 @@ class ReferenceStepper:
     def _step(self, time_step: float) -> tuple[Status, State | None]:
         """Solve one step; return the state at its end, None when it fails."""
         step, full = self._begin(time_step), self._options.full_newton
-        with np.errstate(over="ignore", invalid="ignore"):  # a lost iteration shows in its increment
+        # An iteration that is lost shows in its increment.
+        with np.errstate(over="ignore", invalid="ignore"):
             status, a = self._iterate(step, step.start.a, full_newton=full)
             if a is None:
                 status, a = self._iterate(step, step.resting(), full_newton=True)
@@ -277,7 +286,7 @@ class ReferenceStepper:
             increment = step.c.to_position * float(moved)
             if not np.isfinite(increment):
                 return Status.NOT_FINITE, None
-            if increment <= options.tolerance and watch.count > 0:
+            if increment <= self._tolerance and watch.count > 0:
                 self.counters.full_newton_steps += watch.full_newton
                 return Status.RUNNING, a
             watch.observe(increment)
