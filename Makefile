@@ -1,5 +1,5 @@
 # `make check` is exactly what continuous integration runs; the other targets use the current environment.
-.PHONY: check lint format test docs validation
+.PHONY: check lint format test coverage docs validation
 
 check:
 	bash .ci/run
@@ -16,6 +16,13 @@ format:
 
 test:
 	python -m pytest -n 2
+
+# Counts what every process of the tests runs: this one, commands, workers of studies and clusters.
+coverage:
+	rm -rf build/coverage && mkdir -p build/coverage
+	python -m coverage run -m pytest -m "slow or not slow" -n 2
+	python -m coverage combine --quiet
+	python -m coverage report --sort=cover
 
 docs:
 	sphinx-build -W --keep-going -b html docs build/docs

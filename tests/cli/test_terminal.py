@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -84,8 +85,22 @@ def test_compare_for_people(short_run: tuple[Path, Outcome], invoke: Invoke) -> 
     outcome = invoke("compare", short_run[0] / "run.nc", "measured.csv")
     assert outcome.code == 0
     assert "−20 to 20 %" in outcome.out
-    assert "unverified" in outcome.out
+    assert "met, unverified" in outcome.out
+    assert re.search(r"tolerances +all \d met", outcome.out)
     assert "has no time" in outcome.err
+
+
+def test_compare_says_what_is_missed(short_run: tuple[Path, Outcome], invoke: Invoke) -> None:
+    """A force varying twice as much, measured the other way: the miss and direction are told."""
+    rows = (short_run[0] / "force.csv").read_text(encoding="utf-8").splitlines()
+    samples = [[float(cell) for cell in row.split(",")[1:3]] for row in rows[1:]]
+    lines = ["position [m],force [N]", *(f"{x},{2 * force - 150}" for x, force in samples[::-1])]
+    Path("measured.csv").write_text("\n".join(lines), encoding="utf-8")
+    outcome = invoke("compare", short_run[0] / "run.nc", "measured.csv")
+    assert outcome.code == 0
+    assert re.search(r"tolerances +\d of \d missed: ", outcome.out)
+    assert "missed, unverified" in outcome.out
+    assert "runs towards falling positions" in outcome.err
 
 
 def test_copy_and_check(invoke: Invoke) -> None:

@@ -36,7 +36,7 @@ def measured_like(run: Run, gain: float = 1.0, **changes: Any) -> MeasuredRun:
     """Return a measurement equal to the run, its force about 169 N times `gain`."""
     record = run.pantographs[0]
     static = np.interp(
-        record.position, run.equilibrium.station_x, run.equilibrium.contact_position[:, 2]
+        record.position, run.equilibrium.contact.s, run.equilibrium.contact_position[:, 2]
     )
     whole = MeasuredRun(
         label="run.csv",
@@ -196,3 +196,22 @@ def test_pantograph_that_never_entered_is_refused() -> None:
     measured = MeasuredRun("run.csv", np.linspace(0, 900, 100), np.full(100, 169.0))
     with pytest.raises(InputError, match="never entered"):
         compare_with_measurement(absent, measured)
+
+
+@pytest.mark.parametrize(("direction", "told"), [("+x", True), ("-x", False)])
+def test_running_directions_are_compared(run: Run, direction: str, told: bool) -> None:
+    """A measurement towards falling positions is told apart from a run towards rising ones."""
+    case = run.case.with_(scenario=run.case.scenario.with_(direction=direction))
+    whole = measured_like(run, uplift=None, time=None)
+    falling = replace(whole, position=whole.position[::-1], force=whole.force[::-1])
+    notes = compare_with_measurement(replace(run, case=case), falling).notes
+    assert any("runs towards falling positions" in note for note in notes) is told
+    assert any('scenario.direction="-x"' in note for note in notes) is told
+
+
+def test_missed_tolerances_are_named(run: Run) -> None:
+    """A standard deviation 30 % too high misses its tolerance of 20 %, verified or not."""
+    comparison = compare_with_measurement(run, measured_like(run, gain=1 / 1.3))
+    assert "standard_deviation" in comparison.missed()
+    assert comparison.as_dict()["missed"] == list(comparison.missed())
+    assert compare_with_measurement(run, measured_like(run)).missed() == ()

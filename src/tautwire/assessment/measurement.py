@@ -109,6 +109,10 @@ class MeasurementComparison:
     measured_force: Array
     notes: tuple[str, ...]
 
+    def missed(self) -> tuple[str, ...]:
+        """Return the quantities whose difference is not allowed, whether verified or not."""
+        return tuple(row.quantity for row in self.rows if row.within is False)
+
     def as_dict(self) -> dict[str, Any]:
         """Return the table as plain data for JSON."""
         return {
@@ -118,6 +122,7 @@ class MeasurementComparison:
             "start_m": self.start,
             "end_m": self.end,
             "rows": [row.as_dict() for row in self.rows],
+            "missed": list(self.missed()),
             "notes": list(self.notes),
         }
 
@@ -191,6 +196,9 @@ def compare_with_measurement(
     name = pantograph or run.pantographs[0].name
     simulated = _simulated_track(run, name, lowpass)
     notes: list[str] = []
+    against = _running_directions(run, measured)
+    if against:
+        notes.append(against)
     lower = None if measured_is_filtered else lowpass
     track = _measured_track(run, measured, offset, lower, notes)
     position = _common_positions(run, simulated, track)
@@ -214,6 +222,19 @@ def compare_with_measurement(
         simulated_force=forces[0][:, 0],
         measured_force=forces[1][:, 0],
         notes=tuple(notes),
+    )
+
+
+def _running_directions(run: Run, measured: MeasuredRun) -> str:
+    """Say that the two passages run against each other; empty when they do not."""
+    rising = measured.position[-1] > measured.position[0]
+    own = run.case.scenario.direction
+    if rising == (own == "+x"):
+        return ""
+    return (
+        f"the measurement runs towards {'rising' if rising else 'falling'} positions, the run in "
+        f"direction {own}: what is compared was passed the other way; for a like passage run the "
+        f'case with scenario.direction="{"+x" if rising else "-x"}"'
     )
 
 
@@ -347,7 +368,7 @@ def _numbers(run: Run, track: _Track, forces: Array, position: Array) -> dict[st
 def _static_height(run: Run, position: Array) -> Array:
     """Return the height of the contact wire at rest, (n,) m to (n,) m."""
     shape = run.equilibrium
-    return np.interp(position, shape.station_x, shape.contact_position[:, 2])
+    return np.interp(position, shape.contact.s, shape.contact.position[:, 2])
 
 
 def _row(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 FORMAT = "tautwire results"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -129,9 +129,9 @@ PANTOGRAPH_SCALARS = (
 
 SNAPSHOTS = (
     Entry("time", "time", ("time",), "s", "time since the start"),
-    Entry("x", "x", ("x",), "m", "position along the track"),
-    Entry("contact_z", "contact_z", ("time", "x"), "m", "height of the contact wire"),
-    Entry("messenger_z", "messenger_z", ("time", "x"), "m", "height of the messenger wire"),
+    Entry("x", "x", ("point",), "m", "position along the track"),
+    Entry("wire", "wire", ("point",), "1", "number of the wire of the point, from 0", "count"),
+    Entry("z", "z", ("time", "point"), "m", "height of the wire"),
 )
 
 EVENTS = (
@@ -183,7 +183,19 @@ EQUILIBRIUM = (
     Entry(
         "cable_length", "cable_lengths", ("element",), "m", "unstrained length of a wire element"
     ),
-    Entry("station_x", "station_x", ("station",), "m", "position of the stations"),
+    Entry("node_s", "node_s", ("node",), "m", "place of the node along the track"),
+    Entry(
+        "node_wire", "node_wire", ("node",), "1", "number of the wire of the node, from 0", "count"
+    ),
+    Entry("wire_name", "wire_names", ("wire",), "1", "name of the wire", "text"),
+    Entry(
+        "wire_role",
+        "wire_roles",
+        ("wire",),
+        "1",
+        "what the wire is: contact, messenger, auxiliary or stitch",
+        "text",
+    ),
     Entry(
         "dropper_span", "dropper_span", ("dropper",), "1", "span of the dropper, from 1", "count"
     ),
@@ -193,6 +205,14 @@ EQUILIBRIUM = (
         ("dropper",),
         "1",
         "number of the dropper in its span, from 1",
+        "count",
+    ),
+    Entry(
+        "dropper_wire",
+        "dropper_wires",
+        ("dropper", "side"),
+        "1",
+        "numbers of the wires above and below, from 0",
         "count",
     ),
     Entry("dropper_x", "dropper_x", ("dropper",), "m", "position of the dropper"),
@@ -222,7 +242,23 @@ EQUILIBRIUM = (
         "dropper_heights",
         ("dropper",),
         "m",
-        "height of the contact wire at the dropper",
+        "height of the lower wire at the dropper",
+    ),
+    Entry(
+        "support_number",
+        "support_number",
+        ("support",),
+        "1",
+        "number of the support, from 1",
+        "count",
+    ),
+    Entry(
+        "support_wire",
+        "support_wire",
+        ("support",),
+        "1",
+        "number of the contact wire that is held there, from 0",
+        "count",
     ),
     Entry("support_x", "support_x", ("support",), "m", "position of the support"),
     Entry(
@@ -237,7 +273,7 @@ EQUILIBRIUM = (
         "arm_supports",
         ("arm",),
         "1",
-        "number of the support with the arm, from 1",
+        "row of the support with the arm, from 1",
         "count",
     ),
     Entry("arm_force", "arm_forces", ("arm",), "N", "steady-arm force, tension positive"),
@@ -250,25 +286,32 @@ EQUILIBRIUM = (
     ),
     Entry("arm_end", "arm_ends", ("arm", "component"), "m", "far end of the arm: x, y, z"),
     Entry(
-        "messenger_free_height",
-        "messenger_free_heights",
-        ("inner_support",),
+        "suspension_free_height",
+        "suspension_free_heights",
+        ("suspension",),
         "m",
-        "height at which the messenger-wire support spring is slack",
+        "height at which the spring that carries a messenger wire is slack",
     ),
     Entry(
         "contact_preload",
         "contact_preloads",
-        ("inner_support",),
+        ("support",),
         "N",
         "upward force of the contact-wire support spring, 0 where there is none",
+    ),
+    Entry(
+        "joint_pull",
+        "joint_pulls",
+        ("joint", "component"),
+        "N",
+        "force of a joint of two wires on the one that holds the other",
     ),
     Entry(
         "end_pull",
         "end_pulls",
         ("end", "wire"),
         "N",
-        "longitudinal force on the wire ends: left and right; contact and messenger wire",
+        "longitudinal force on the ends of the wire: left and right",
     ),
     Entry("weight", "weight", (), "N", "weight of the line"),
     Entry("reaction", "reaction", (), "N", "sum of the vertical support reactions"),

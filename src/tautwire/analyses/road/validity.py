@@ -66,7 +66,8 @@ def _uplift(run: Run) -> Iterator[str]:
     if len(over):
         worst = over[np.argmax((largest - room)[over])]
         yield (
-            f"the contact wire rises by {largest[worst]:.2f} m at support {worst + 1}, where the "
+            f"the contact wire rises by {largest[worst]:.2f} m at support "
+            f"{shape.support_number[worst]}, where the "
             f"messenger wire hangs {room[worst]:.2f} m above it; the two do not collide in the "
             "model: check the uplift force and the tensions"
         )
@@ -114,6 +115,9 @@ def _tuning(run: Run) -> Iterator[str]:
 
 
 def _messenger_height(run: Run, x: Array) -> Array:
-    """Return the height of the messenger wire at rest at longitudinal positions [m]."""
-    wire = run.equilibrium.messenger_position
-    return np.interp(x, wire[:, 0], wire[:, 2])
+    """Return the height of the lowest messenger wire at rest over some places; inf without one."""
+    lowest = np.full(np.shape(x), np.inf)
+    for wire in run.equilibrium.of_role("messenger"):
+        height = np.interp(x, wire.s, wire.position[:, 2], left=np.inf, right=np.inf)
+        lowest = np.minimum(lowest, height)
+    return lowest

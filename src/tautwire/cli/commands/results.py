@@ -163,11 +163,23 @@ def _comparison_view(compared: MeasurementComparison) -> list[Any]:
                 ("pantograph", compared.pantograph),
                 ("part of the line", f"{compared.start:.1f} to {compared.end:.1f} m"),
                 ("filter", compared.filter),
+                ("tolerances", _outcome(compared)),
             ]
         ),
         heading("Numbers"),
         table(heads, "Lrrrrl", rows),
     ]
+
+
+def _outcome(compared: MeasurementComparison) -> str:
+    """Say how many tolerances are met, and which are not."""
+    judged = [row for row in compared.rows if row.within is not None]
+    missed = [_name(quantity) for quantity in compared.missed()]
+    if not judged:
+        return "no number has both a tolerance and a value"
+    if not missed:
+        return f"all {len(judged)} met"
+    return f"{len(missed)} of {len(judged)} missed: {', '.join(missed)}"
 
 
 def _name(quantity: str) -> str:
@@ -196,9 +208,9 @@ def _tolerance(row: MeasurementRow) -> str:
 def _verdict(row: MeasurementRow) -> str:
     if row.within is None:
         return ""
-    if row.passed is None:
-        return "unverified"
-    return "passed" if row.passed else "failed"
+    if row.passed is None:  # the tolerance was not compared with the standard's text
+        return f"{'met' if row.within else 'missed'}, unverified"
+    return "met" if row.within else "missed"
 
 
 def _refuse_unwritable(path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from itertools import count
 from pathlib import Path
@@ -108,23 +108,20 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
     first = views[0].run.case
     own_title = first.title or first.name
     many = len(views) > 1
-    speeds = list(dict.fromkeys(speed(view.run.case.scenario.speed) for view in views))
-    names = list(dict.fromkeys(force.name for view in views for force in view.forces))
-    line, section = first.line, views[0].statistics.section
     facts = {
-        "Speed": listing(speeds),
-        "Line": f"{line.spans} spans, {line.length():g} m",
-        "Analysed section": f"spans {section.first_span} to {section.last_span}",
-        "Pantographs": listing(names),
-        "Contact stiffness": listing(
-            list(
-                dict.fromkeys(
-                    f"{1e-3 * view.run.case.settings.contact_stiffness:g} kN/m" for view in views
-                )
-            )
+        "Speed": _each(views, lambda view: speed(view.run.case.scenario.speed)),
+        "Line": _each(views, _line_in_words),
+        "Analysed section": _each(views, _section_in_words),
+        "Pantographs": listing(
+            list(dict.fromkeys(force.name for view in views for force in view.forces))
         ),
-        "Status": listing(list(dict.fromkeys(view.run.status for view in views))),
-        "Computed": str(views[0].run.provenance.get("created", ""))[:10] or "–",
+        "Contact stiffness": _each(
+            views, lambda view: f"{1e-3 * view.run.case.settings.contact_stiffness:g} kN/m"
+        ),
+        "Status": _each(views, lambda view: view.run.status),
+        "Computed": _each(
+            views, lambda view: str(view.run.provenance.get("created", ""))[:10] or "–"
+        ),
     }
     common = len({view.run.case.name for view in views}) == 1
     heading = f"{own_title if common else 'Runs compared'}: {listing([v.label for v in views])}"
@@ -132,9 +129,24 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
         "title": title or (heading if many else own_title),
         "description": "" if many else first.description.strip(),
         "facts": facts,
-        "version": str(views[0].run.provenance.get("version", "")),
-        "case_hash": first.hash()[:12],
+        "version": _each(views, lambda view: str(view.run.provenance.get("version", ""))),
+        "case_hash": _each(views, lambda view: view.run.case.hash()[:12]),
     }
+
+
+def _each(views: Sequence[RunView], tell: Callable[[RunView], str]) -> str:
+    """Return what is to be told of every run, equal texts once."""
+    return listing(list(dict.fromkeys(map(tell, views))))
+
+
+def _line_in_words(view: RunView) -> str:
+    line = view.run.case.line
+    return f"{line.spans} spans, {line.length():g} m"
+
+
+def _section_in_words(view: RunView) -> str:
+    section = view.statistics.section
+    return f"spans {section.first_span} to {section.last_span}"
 
 
 def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from tautwire.errors import InputError
-from tautwire.results import layout
+from tautwire.results import layout, upgrade
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.layout import FORMAT, FORMAT_VERSION, Entry
@@ -193,16 +193,20 @@ def _check_kind(file: h5netcdf.File, kind: str) -> None:
             "is a netCDF file but not a tautwire result; give a file written by 'tautwire run' or "
             "'tautwire static'"
         )
-    got = int(file.attrs.get("format_version", 0))
-    if got != FORMAT_VERSION:
+    got = _version(file)
+    if not 1 <= got <= FORMAT_VERSION:
         newer = "install a newer tautwire" if got > FORMAT_VERSION else "compute it again"
         raise UnreadableError(
-            f"has format version {got}, this tautwire reads version {FORMAT_VERSION}; {newer}"
+            f"has format version {got}, this tautwire reads versions 1 to {FORMAT_VERSION}; {newer}"
         )
     if kind == "run" and file.attrs.get("kind") != "run":
         raise UnreadableError(
             "holds a static state, not a run; give a file written by 'tautwire run'"
         )
+
+
+def _version(file: h5netcdf.File) -> int:
+    return int(file.attrs.get("format_version", 0))
 
 
 def _case(file: h5netcdf.File) -> Case:
@@ -213,38 +217,27 @@ def _case(file: h5netcdf.File) -> Case:
         raise ValueError(f"its case is not valid: {first['msg']}") from error
 
 
-def _sizes(case: Case) -> dict[str, int]:
-    """Return the sizes that the case gives to dimensions of its result."""
-    spans = case.line.spans
-    return {
-        "support": spans + 1,
-        "inner_support": spans - 1,
-        "dropper": sum(map(len, case.droppers.positions_by_span(spans))),
-        "pantograph": len(case.pantographs),
-        "component": 3,
-        "end": 2,
-        "wire": 2,
-    }
-
-
 def _run(file: h5netcdf.File) -> Run:
     """Read a run, every variable's shape compared with the case and with the other variables."""
     case = _case(file)
-    sizes = _sizes(case)
+    shape = _equilibrium(file, case)
+    sizes = {
+        "support": shape.support_x.size,
+        "dropper": shape.dropper_x.size,
+        "pantograph": len(case.pantographs),
+    }
     time = _array(file, layout.TIME, sizes)
-    _require(bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0)), "time must increase")
+    _require(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0), "time must increase")
     status = _text(file, "status")
     _require(status in STATUSES, f"its status is {status!r}")
-    shots = Snapshots(**_entries(file.groups["snapshots"], layout.SNAPSHOTS, {}))
-    _require(bool(np.all(np.isfinite(shots.time))), "times of snapshots must be finite")
     return Run(
         case=case,
-        equilibrium=_equilibrium(file, case),
+        equilibrium=shape,
         status=status,
         message=_text(file, "message"),
         time=time,
         pantographs=_pantographs(file, case, sizes),
-        snapshots=shots,
+        snapshots=_snapshots(file, len(shape.wire_names)),
         counters=_mapping(file, "counters"),
         warnings=_words(file, "warnings"),
         provenance=_mapping(file, "provenance"),
@@ -265,7 +258,7 @@ def _elasticity(file: h5netcdf.File) -> Elasticity | None:
     values = _entries(file.groups["elasticity"], layout.ELASTICITY, {})
     values["kind"] = tuple(str(kind) for kind in values["kind"])
     _require(set(values["kind"]) <= layout.POINTS, "unknown kind of point of the elasticity")
-    _require_numbers("span", values["span"], _case(file).line.spans)
+    _require_numbers("span", values["span"], 1, _case(file).line.spans)
     return Elasticity(**values)
 
 
@@ -300,7 +293,7 @@ def _events(file: h5netcdf.File, pantographs: int) -> ContactEvents | None:
     sizes: dict[str, int] = {}
     time, who, opens = (_array(file.groups["events"], e, sizes) for e in layout.EVENTS)
     _require(bool(np.all(np.diff(time) >= 0.0)), "events must be in order")
-    _require_numbers("pantograph of an event", who, pantographs)
+    _require_numbers("pantograph of an event", who, 1, pantographs)
     return ContactEvents(time, who - 1, opens.astype(bool))
 
 
@@ -313,14 +306,50 @@ def _irregularities(file: h5netcdf.File, sizes: dict[str, int]) -> DrawnIrregula
     )
 
 
+def _snapshots(file: h5netcdf.File, wires: int) -> Snapshots:
+    found = _upgraded(file, "snapshots", layout.SNAPSHOTS, upgrade.snapshots_from_1)
+    shots = Snapshots(**found)
+    _require(np.all(np.isfinite(shots.time)), "times of snapshots must be finite")
+    _require_numbers("wire of a snapshot", shots.wire, 0, wires - 1)
+    return shots
+
+
 def _equilibrium(file: h5netcdf.File, case: Case) -> Equilibrium:
-    shape = Equilibrium(**_entries(file.groups["equilibrium"], layout.EQUILIBRIUM, _sizes(case)))
-    stations, spans = shape.station_x.size, case.line.spans
-    _require(shape.position.size == 12 * stations, "number of nodal coordinates")
-    _require(shape.cable_lengths.size == 2 * (stations - 1), "number of wire elements")
-    _require_numbers("span of a dropper", shape.dropper_span, spans)
-    _require_numbers("support of an arm", shape.arm_supports, spans + 1)
+    """Read a static state whose numbers of nodes, wires, spans and supports exist."""
+    found = _upgraded(file, "equilibrium", layout.EQUILIBRIUM, upgrade.equilibrium_from_1)
+    for name in ("wire_names", "wire_roles"):
+        found[name] = tuple(str(value) for value in found[name])
+    shape = Equilibrium(**found)
+    wires, spans = len(shape.wire_names), case.line.spans
+    _require("contact" in shape.wire_roles, "no contact wire")
+    _require_numbers("wire of a node", shape.node_wire, 0, wires - 1)
+    nodes = np.bincount(shape.node_wire, minlength=wires)
+    _require(np.all(nodes >= 2), "a wire needs two nodes")
+    _require(shape.position.size == 6 * shape.node_s.size, "number of nodal coordinates")
+    _require(shape.cable_lengths.size == np.sum(nodes - 1), "number of wire elements")
+    _require_numbers("wire of a dropper", shape.dropper_wires, 0, wires - 1)
+    _require_numbers("wire of a support", shape.support_wire, 0, wires - 1)
+    _require_numbers("span of a dropper", shape.dropper_span, 1, spans)
+    _require_numbers("number of a support", shape.support_number, 1, spans + 1)
+    _require_numbers("support of an arm", shape.arm_supports, 1, shape.support_x.size)
     return shape
+
+
+def _upgraded(
+    file: h5netcdf.File, name: str, entries: tuple[Entry, ...], from_1: Callable[[Any], Any]
+) -> dict[str, Any]:
+    """Read the listed variables of a group, those of an older format through its upgrade."""
+    group, sizes = file.groups[name], dict(_FIXED_SIZES)
+    if _version(file) == FORMAT_VERSION:
+        return _entries(group, entries, sizes)
+    values = from_1({key: np.asarray(variable[...]) for key, variable in group.variables.items()})
+    found = {entry: np.asarray(values[entry.name]) for entry in entries}
+    for entry, data in found.items():
+        _check(entry, data.dtype, data.shape, sizes)
+    return {entry.source: data if data.ndim else data.item() for entry, data in found.items()}
+
+
+_FIXED_SIZES = {"component": 3, "end": 2, "side": 2}
 
 
 def _require(condition: object, what: str) -> None:
@@ -328,9 +357,10 @@ def _require(condition: object, what: str) -> None:
         raise ValueError(what)
 
 
-def _require_numbers(what: str, values: np.ndarray, most: int) -> None:
-    """Refuse numbers outside 1 to ``most``."""
-    _require(bool(np.all((values >= 1) & (values <= most))), f"{what} outside 1 to {most}")
+def _require_numbers(what: str, values: np.ndarray, least: int, most: int) -> None:
+    """Refuse numbers outside a range."""
+    is_inside = (values >= least) & (values <= most)
+    _require(np.all(is_inside), f"{what} outside {least} to {most}")
 
 
 def _text(file: h5netcdf.File, name: str) -> str:
@@ -380,11 +410,15 @@ def _array(group: h5netcdf.Group, entry: Entry, sizes: dict[str, int]) -> np.nda
     if entry.name not in group.variables:
         raise ValueError(f"variable {entry.name!r} is missing")
     variable = group.variables[entry.name]
-    _require(variable.dtype.kind in layout.KINDS[entry.kind], f"type of {entry.name!r}")
-    _require(len(variable.shape) == len(entry.dimensions), f"dimensions of {entry.name!r}")
-    for name, size in zip(entry.dimensions, variable.shape, strict=True):
-        wanted = sizes.setdefault(name, int(size))
-        _require(
-            wanted == size, f"{entry.name!r} has {size} values along {name!r} instead of {wanted}"
-        )
+    _check(entry, variable.dtype, variable.shape, sizes)
     return np.asarray(variable[...])
+
+
+def _check(entry: Entry, dtype: Any, shape: tuple[int, ...], sizes: dict[str, int]) -> None:
+    """Compare type and shape of a variable with its entry and with known sizes."""
+    _require(np.dtype(dtype).kind in layout.KINDS[entry.kind], f"type of {entry.name!r}")
+    _require(len(shape) == len(entry.dimensions), f"dimensions of {entry.name!r}")
+    for name, size in zip(entry.dimensions, shape, strict=True):
+        wanted = sizes.setdefault(name, int(size))
+        text = f"{entry.name!r} has {size} values along {name!r} instead of {wanted}"
+        _require(wanted == size, text)

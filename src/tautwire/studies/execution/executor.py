@@ -25,6 +25,8 @@ MOST_LOSSES = 2
 
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _FAILED_STARTS = 3
+_FAREWELL = 5.0
+"""Time for an idle worker to end [s]; far more than it takes, also on a busy machine."""
 
 
 class StudyError(TautwireError):
@@ -133,11 +135,16 @@ class LocalWorkers:
     def __exit__(self, *_: object) -> None:
         workers, self._workers = self._workers, []
         for worker in workers:
-            worker.process.kill()
+            _close(worker.process.stdin)  # an idle worker ends by itself
+            if worker.job is not None or not worker.is_ready:
+                worker.process.kill()
         for worker in workers:
-            worker.process.wait()
-            for pipe in (worker.process.stdin, worker.process.stdout):
-                _close(pipe)
+            try:
+                worker.process.wait(timeout=_FAREWELL)
+            except subprocess.TimeoutExpired:
+                worker.process.kill()
+                worker.process.wait()
+            _close(worker.process.stdout)
 
     def submit(self, job: Job) -> None:
         """Take a case."""
