@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
+from tautwire.text import shortened
 
 RESULTS = (
     "run.nc", "results.json", "report.html", "force.csv", "force-*.csv", "droppers.csv",
@@ -55,8 +56,7 @@ def prepared_folder(folder: Path) -> Iterator[Path]:
     InputError
         When it cannot be written to.
     """
-    is_new = not folder.exists()
-    _make(folder)
+    is_new = _made(folder)
     try:
         yield folder
     finally:
@@ -124,11 +124,15 @@ def _locked(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _make(folder: Path) -> None:
-    cure = "choose another folder with --out"
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out {folder}: is a file, a folder is needed; {cure}")
+def _made(folder: Path) -> bool:
+    """Make a folder that can be written to; tell whether there was none."""
+    named = shortened(str(folder), 300)
     try:
+        is_new = not folder.exists()
+        if not is_new and not folder.is_dir():
+            raise InputError(
+                f"--out {named}: is a file, a folder is needed; choose another folder with --out"
+            )
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f".tautwire-{os.getpid()}.part"
         probe.touch()
@@ -136,8 +140,10 @@ def _make(folder: Path) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
-            f"--out {folder}: cannot be written to ({reason}); {cure}, or change its permissions"
+            f"--out {named}: cannot be written to ({reason}); {cure_of(error)}, or "
+            "choose another folder with --out"
         ) from None
+    return is_new
 
 
 class Files:
@@ -177,9 +183,7 @@ class Files:
             self._failed[name] = error.problems
         except (OSError, RuntimeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            self._failed[name] = (
-                f"{path}: cannot be written ({reason}); check free space and permissions",
-            )
+            self._failed[name] = (f"{path}: cannot be written ({reason}); {cure_of(error)}",)
         else:
             self._failed.pop(name, None)
             self.written[name] = str(path)

@@ -11,8 +11,9 @@ from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.shape import find_shape
 from tautwire.analyses.road.validity import judged
 from tautwire.inputs.load import load_case, make_case
-from tautwire.model.build import build
+from tautwire.model.build import Model, build
 from tautwire.numerics.motion.backend import Choice
+from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
 
@@ -62,14 +63,24 @@ def run_case(
     backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
 ) -> Run:
-    """Do the same for a case that is complete.
+    """Do the same for a case that is complete."""
+    model = build(case)
+    return run_line(model, find_shape(model), backend=backend, watch=watch)
+
+
+def run_line(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    backend: Choice | None = None,
+    watch: Callable[[int, Progress], bool] | None = None,
+) -> Run:
+    """Do the same for a line whose shape is known.
 
     The warnings of the run name what is outside the model's world, see
     :mod:`tautwire.analyses.road.validity`.
     """
-    model = build(case)
-    shape = find_shape(model)
-    if case.scenario.target_mean_force() is not None:
+    if model.case.scenario.target_mean_force() is not None:
         return judged(tune_mean_force(model, shape, backend=backend, watch=watch))
     once = None if watch is None else lambda progress: watch(1, progress)
     return judged(simulate(model, shape, backend=backend, watch=once))
