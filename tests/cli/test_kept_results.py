@@ -121,7 +121,7 @@ def _check_full(out: Path, done: subprocess.CompletedProcess[str]) -> None:
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr
     assert f"{out}/run.nc: cannot be written" in done.stderr
-    assert "check free space and permissions" in done.stderr
+    assert "make room on the disk" in done.stderr
     assert json.loads(done.stdout)["status"] == "done"
     assert {"results.json", "droppers.csv"} <= _names(out)
     assert not [name for name in _names(out) if name.endswith(".part")]
