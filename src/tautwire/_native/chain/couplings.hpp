@@ -38,9 +38,9 @@ public:
 private:
     // Aimed-at contraction of an iteration by what is cut off; the tangent's change alone is worth
     // about as much.
-    static constexpr double kContraction = 3e-3;
+    static constexpr double kContraction = 2e-3;
     // Finest and coarsest cut-off, relative to the column.
-    static constexpr double kLeastCut = 1e-3, kMostCut = 0.1;
+    static constexpr double kLeastCut = 3e-4, kMostCut = 0.1;
 
     enum class Gate { none, tie, stay, contact };
     struct Entry {

@@ -4,9 +4,13 @@
 // forces are added to nodal forces, node by node in the order of the list.
 #pragma once
 
+#include <limits>
+
 #include "line/line.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Coordinates q = q_p + q_of_v v_p + q_of_a a and velocities v = v_p + v_of_a a of the nodes.
 struct MotionView {
@@ -77,8 +81,8 @@ struct Bars {
             length[k][lane] = length_[n];
             stiffness[k][lane] = weight * stiffness_[n];
             damping[k][lane] = damping_per_stiffness * stiffness[k][lane];
-            least[k][lane] = kind == Law::tension_only ? 0.0 : -HUGE_VAL;
-            most[k][lane] = kind == Law::compression_only ? 0.0 : HUGE_VAL;
+            least[k][lane] = kind == Law::tension_only ? 0.0 : -kInfinity;
+            most[k][lane] = kind == Law::compression_only ? 0.0 : kInfinity;
         }
     }
 

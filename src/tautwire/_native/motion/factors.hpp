@@ -42,9 +42,13 @@ public:
     Preconditioner& fast() { return *selected_->matrix; }
     ExactSolver& exact() { return *exact_; }
 
-    // Factor the selected matrix anew at coordinates q.
+    // Factor the selected matrix anew at coordinates q; when it is not positive definite there, it
+    // stays that of the static state.
     bool renew(const Buffer<Row>& q) {
-        return selected_->matrix->factor(factors_of(selected_->time_step), q);
+        const Factors factors = factors_of(selected_->time_step);
+        if (selected_->matrix->factor(factors, q)) return true;
+        selected_->matrix->factor(factors, line_.position);
+        return false;
     }
     // Factor the exact tangent at q and v of a step as `exact`, or the mass matrix.
     bool factor_exact(const Buffer<Row>& q, const Buffer<Row>& v, double time_step) {

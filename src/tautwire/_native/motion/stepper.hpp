@@ -3,6 +3,8 @@
 // The algorithm is that of numerics/motion/reference_stepper.py.
 #pragma once
 
+#include <limits>
+
 #include "contact/touches.hpp"
 #include "motion/factors.hpp"
 #include "motion/sweeps.hpp"
@@ -30,7 +32,7 @@ public:
 private:
     static constexpr double kSlow = 0.3;
     static constexpr int kAllowed = 2;
-    double last_ = HUGE_VAL;
+    double last_ = std::numeric_limits<double>::infinity();
     int slow_ = 0;
 };
 
@@ -74,6 +76,9 @@ private:
     };
 
     Outcome step(const Chunk& chunk, int index);
+    Outcome solve(Watchdog watch);
+    void rest();
+    void step_back(const Buffer<Row>& sound);
     bool enter(const Chunk& chunk, int index);
     bool touch_all();
     Outcome finish(const Chunk& chunk);
@@ -130,19 +135,38 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
 
 inline Outcome LineEngine::step(const Chunk& chunk, int index) {
     sweeps_.begin(scheme_, chunk.time_step);
-    Watchdog watch(scheme_.full_newton);
-    first_ = !watch.full_newton;
-    if (watch.full_newton) {
-        sweeps_.predict();
-    } else if (!factors_.select(chunk.time_step)) {
-        return Outcome::singular;
-    }
+    first_ = !scheme_.full_newton;
+    if (scheme_.full_newton) sweeps_.predict();
     if (!enter(chunk, index)) return Outcome::off_the_line;
+    Outcome outcome = solve(Watchdog(scheme_.full_newton));
+    if (outcome != Outcome::running) {
+        // Long steps make the prediction, with its accelerations kept, so poor that wires are pushed
+        // and the tangent is indefinite; where the wires are, it is not.
+        sweeps_.predict();
+        rest();
+        outcome = solve(Watchdog(true));
+    }
+    return outcome == Outcome::running ? finish(chunk) : outcome;
+}
+
+// Find the end of the step: from the prediction, or with full Newton from end().
+inline Outcome LineEngine::solve(Watchdog watch) {
+    first_ = !watch.full_newton;
+    if (first_ && !factors_.select(sweeps_.prediction.time_step)) return Outcome::singular;
     const RowRange whole = sweeps_.line.layout.whole();
+    Buffer<Row> sound;  // the last accelerations at which the tangent was positive definite
     for (int n = 0; n < scheme_.iterations; ++n) {
         if (!touch_all()) return Outcome::off_the_line;
         const bool fresh = n == 0 || watch.wants_factor;
-        if (watch.wants_factor && !renew(watch.full_newton)) return Outcome::singular;
+        if (watch.wants_factor && !renew(watch.full_newton)) {
+            if (sound.size() == 0) return Outcome::singular;
+            step_back(sound);
+            continue;
+        }
+        if (watch.full_newton) {
+            sound.grow(sweeps_.end().a.size());
+            sound.copy_from(sweeps_.end().a);
+        }
         const Increment increment = watch.full_newton ? iterate(factors_.exact(), whole, fresh)
                                                       : iterate(factors_.fast(), whole, fresh);
         ++counters_.iterations;
@@ -151,11 +175,34 @@ inline Outcome LineEngine::step(const Chunk& chunk, int index) {
                                 (increment.outside <= scheme_.tolerance && !watch.full_newton &&
                                  settle_contacts()))) {
             counters_.full_newton_steps += watch.full_newton;
-            return finish(chunk);
+            return Outcome::running;
         }
         watch.observe(increment.all);
     }
     return Outcome::not_converged;
+}
+
+// Take the wires at the end of the step to be where they are at its start.
+inline void LineEngine::rest() {
+    const WireState& now = sweeps_.start();
+    WireState& end = sweeps_.end();
+    const Doubles inverse = broadcast<Doubles>(1.0 / end.to_position);
+    for (std::size_t row = 0; row < end.a.size(); ++row)
+        for (int half = 0; half < 2; ++half)
+            for (int i = 0; i < 6; ++i)
+                end.a[row][half][i] =
+                    inverse * (now.q_p[row][half][i] + now.to_position * now.a[row][half][i] -
+                               end.q_p[row][half][i]);
+}
+
+// Take back half of what led from the accelerations `sound` to the present ones.
+inline void LineEngine::step_back(const Buffer<Row>& sound) {
+    for (std::size_t row = 0; row < sound.size(); ++row)
+        for (int half = 0; half < 2; ++half)
+            for (int i = 0; i < 6; ++i) {
+                Doubles& a = sweeps_.end().a[row][half][i];
+                a = 0.5 * (a + sound[row][half][i]);
+            }
 }
 
 // Advance the pantographs that are on the line without contact force, and pair them with the paths

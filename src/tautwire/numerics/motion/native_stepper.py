@@ -22,6 +22,7 @@ from tautwire.numerics.motion.stepper import (
     StepBlock,
     StepCounters,
     StepOptions,
+    reachable_tolerance,
 )
 from tautwire.numerics.network.system import System
 from tautwire.status import Status
@@ -88,7 +89,7 @@ class NativeStepper:
         self._clock = Clock()
         arrays = line_arrays(system, self._order, options.stiffening, options.contact_stiffness)
         self._paths = len(arrays["path_stiffness"])
-        self._core = core.Stepper(arrays, _scheme(options))
+        self._core = core.Stepper(arrays, _scheme(options, reachable_tolerance(system, options)))
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -278,14 +279,14 @@ def _external(given: PantographInput, time: Array) -> Array:
     return np.array([given.external(t) for t in time])
 
 
-def _scheme(options: StepOptions) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
         "beta": integrator.beta,
         "gamma": integrator.gamma,
         "time_step": options.time_step,
-        "tolerance": options.tolerance,
+        "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
     }

@@ -1,0 +1,289 @@
+// Unit tests of the compiled kernels at one number of lanes: layout, linear solvers, element.
+//
+// Built with the option TAUTWIRE_TESTS of CMakeLists.txt, or by any C++20 compiler:
+//   c++ -std=c++20 -I src/tautwire/_native -DTAUTWIRE_ISA=tested -DTAUTWIRE_LANES=4 kernel_tests.cpp
+#include <cstdio>
+
+#include "chain/exact.hpp"
+#include "chain/preconditioner.hpp"
+#include "line/forces.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+namespace {
+
+int failures = 0;
+
+void expect(bool is_true, const char* claim) {
+    if (is_true) return;
+    std::fprintf(stderr, "%d lanes: not true: %s\n", kLanes, claim);
+    ++failures;
+}
+
+// Numbers in (-1, 1) from a linear congruence (Knuth's MMIX), the same on every machine.
+class Random {
+public:
+    double operator()() {
+        state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+        return 2.0 * static_cast<double>(state_ >> 11) / 9007199254740992.0 - 1.0;
+    }
+
+private:
+    std::uint64_t state_ = 1;
+};
+
+// Every node has a slot of its own, and the offsets into arrays of rows lead to it.
+void test_layout() {
+    for (int nodes : {2, 3, 7, 16, 61, 200}) {
+        const Layout layout(nodes);
+        expect(layout.padded() >= nodes, "there is a place for every node");
+        bool round_trip = true, offsets = true;
+        Buffer<Row> rows(layout.rows);
+        for (int node = 0; node < nodes; ++node) {
+            const Slot s = layout.slot(node);
+            round_trip &= s.row < layout.rows && s.half < 2 && s.lane < kLanes &&
+                          layout.node(s.row, s.half, s.lane) == node;
+            value(rows, layout, node, 4) = node + 1.0;
+            offsets &= rows[s.row][s.half][4][s.lane] == node + 1.0;
+        }
+        expect(round_trip, "the slot of a node leads back to it");
+        expect(offsets, "a value of a node stands in its slot");
+    }
+}
+
+// Solve a dense system in place by Gauss-Jordan elimination; the matrix is positive definite.
+void solve_dense(Buffer<double>& a, Buffer<double>& x, int n) {
+    for (int k = 0; k < n; ++k)
+        for (int i = 0; i < n; ++i) {
+            if (i == k) continue;
+            const double factor = a[i * n + k] / a[k * n + k];
+            for (int j = k; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
+            x[i] -= factor * x[k];
+        }
+    for (int k = 0; k < n; ++k) x[k] /= a[k * n + k];
+}
+
+// A line of three wires of different lengths beside each other, all with stiffness, damping and mass,
+// joined by two ties of which one hangs slack, two clamps on neighbouring nodes, and held.
+struct Example {
+    static constexpr int kNodes = 41, kEnds[3] = {16, 30, 40};
+    double length[kNodes - 1], axial[kNodes - 1], bending[kNodes - 1], mass[kNodes - 1];
+    double node_mass[kNodes] = {}, load[6 * kNodes] = {}, position[6 * kNodes] = {};
+    bool fixed[6 * kNodes] = {};
+    std::int64_t rank[kNodes];
+    std::int64_t tie_nodes[4] = {20, 6, 25, 11}, tie_law[2] = {1, 1};
+    double tie_length[2] = {0.9, 1.5}, tie_stiffness[2] = {2e5, 2e5};
+    std::int64_t clamp_nodes[4] = {22, 35, 23, 36};
+    double clamp_stiffness[2] = {1e7, 1e7}, clamp_offset[6] = {0.0, 0.0, 0.4, 0.0, 0.0, 0.4};
+    LineData data = {};
+
+    Example() {
+        int first = 0, count = 0;
+        for (int wire = 0; wire < 3; ++wire) {
+            for (int node = first; node <= kEnds[wire]; ++node) {
+                position[6 * node] = 0.7 * (node - first) + 1.3 * wire;
+                position[6 * node + 2] = wire == 0 ? 0.0 : wire == 1 ? 1.0 : 1.4;
+                position[6 * node + 3] = 1.001;
+                if (node == kNodes - 1) break;
+                const bool joins = node < kEnds[wire];
+                length[node] = joins ? 0.7 / 1.001 : 1.0;
+                axial[node] = joins ? 1e7 : 0.0;
+                bending[node] = joins ? 120.0 : 0.0;
+                mass[node] = joins ? 1.1 : 0.0;
+            }
+            for (int i = 0; i < 3; ++i) fixed[6 * first + i] = true;
+            first = kEnds[wire] + 1;
+        }
+        for (double x = -1.0; count < kNodes; x += 0.05)  // along the track
+            for (int node = 0; node < kNodes; ++node)
+                if (position[6 * node] > x && position[6 * node] <= x + 0.05) rank[node] = count++;
+        data.nodes = kNodes;
+        data.ties = data.clamps = 2;
+        data.length = length;
+        data.axial_stiffness = axial;
+        data.bending_stiffness = bending;
+        data.mass = mass;
+        data.node_mass = node_mass;
+        data.load = load;
+        data.position = position;
+        data.fixed = fixed;
+        data.rank = rank;
+        data.tie_nodes = tie_nodes;
+        data.tie_law = tie_law;
+        data.tie_length = tie_length;
+        data.tie_stiffness = tie_stiffness;
+        data.clamp_nodes = clamp_nodes;
+        data.clamp_stiffness = clamp_stiffness;
+        data.clamp_offset = clamp_offset;
+        data.damping_mass = 0.0125;
+        data.damping_stiffness = 1e-4;
+    }
+};
+
+// The dense matrix of a line, its contact included: chain blocks and couplings, entry by entry.
+void fill_dense(const Line& line, const Attachments& attached, const Factors& factors, int contact,
+                const double (&rhs)[2][6], double kappa, Buffer<double>& dense) {
+    const int nodes = line.layout.nodes, n = 6 * nodes;
+    const Assembly assembly(line, attached);
+    Buffer<NodeBlocks> blocks(nodes);
+    assembly.sum_chain(factors, line.position, blocks);
+    for (int node = 0; node < nodes; ++node)
+        for (int i = 0; i < 6; ++i)
+            for (int j = 0; j < 6; ++j) {
+                dense[(6 * node + i) * n + 6 * node + j] += blocks[node].diagonal[i][j];
+                if (node + 1 == nodes) continue;
+                dense[(6 * node + i) * n + 6 * node + 6 + j] += blocks[node].next[i][j];
+                dense[(6 * node + 6 + j) * n + 6 * node + i] += blocks[node].next[i][j];
+            }
+    const Buffer<Row> still(line.position.size());
+    const auto add = [&](int a, int b, const double(&block)[3][3]) {
+        for (const int left : {a, b})
+            for (const int right : {a, b})
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j)
+                        if (!line.is_held(left, i) && !line.is_held(right, j))
+                            dense[(6 * left + i) * n + 6 * right + j] +=
+                                left == right ? block[i][j] : -block[i][j];
+    };
+    assembly.visit_couplings(factors, line.position, still, add);
+    for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j)
+            dense[(6 * contact + i) * n + 6 * contact + j] += kappa * rhs[i / 6][i % 6] * rhs[j / 6][j % 6];
+}
+
+// Solve for a right-hand side with a matrix of the line as the sweeps do.
+template <class P>
+void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double kappa, Buffer<double>& x) {
+    const bool closed[1] = {true};
+    const double compliance[1] = {1.0 / kappa};
+    Buffer<Row> rows(layout.rows);
+    for (int k = 0; k < 6 * layout.nodes; ++k) value(rows, layout, k / 6, k % 6) = b[k];
+    matrix.begin_elimination(layout.whole());
+    for (int row = 0; row < layout.rows; ++row) matrix.eliminate(row, rows[row]);
+    matrix.finish_elimination();
+    expect(matrix.correct(closed, compliance), "couplings are positive definite");
+    matrix.begin_substitution();
+    Floats size = broadcast<Floats>(0.0), total = size;
+    for (int row = layout.rows - 1; row >= 0; --row) matrix.substitute(row, rows[row], size, total);
+    for (int k = 0; k < 6 * layout.nodes; ++k) x[k] = value(rows, layout, k / 6, k % 6);
+}
+
+double distance(const Buffer<double>& x, const Buffer<double>& y) {
+    double error = 0.0, largest = 0.0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        error = std::fmax(error, std::fabs(x[k] - y[k]));
+        largest = std::fmax(largest, std::fabs(y[k]));
+    }
+    return error / largest;
+}
+
+// Wires with breaks, ties, clamps and a contact: both solvers solve the dense system of the line.
+void test_solvers() {
+    const Example example;
+    const Line line(example.data, 1.0);
+    Attachments attached(example.data, line);
+    const Layout& layout = line.layout;
+    Buffer<int> rank(layout.nodes);
+    for (int node = 0; node < layout.nodes; ++node) rank[node] = static_cast<int>(example.rank[node]);
+    const Factors factors = {1.0, 0.5e-3, 0.25e-6};
+    const double rhs[2][6] = {{0.0, 0.0, 0.6, 0.0, 0.0, 0.1}, {0.0, 0.0, 0.4, 0.0, 0.0, -0.1}};
+    const double kappa = 0.05;
+    const int contact = 5, n = 6 * layout.nodes;
+
+    Buffer<Row> still(layout.rows), force(layout.rows);
+    attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, layout.whole());
+    attached.release(force);
+    expect(attached.acting_ties()[0] && !attached.acting_ties()[1], "one tie is taut, one slack");
+    bool is_clean = true;
+    for (int k = 0; k < n; ++k) is_clean &= value(force, layout, k / 6, k % 6) == 0.0;
+    expect(is_clean, "forces are taken away again exactly");
+
+    Buffer<double> dense(static_cast<std::size_t>(n) * n), b(n), expected(n), x(n);
+    fill_dense(line, attached, factors, contact, rhs, kappa, dense);
+    Random random;
+    for (int k = 0; k < n; ++k)
+        expected[k] = b[k] = example.fixed[k] ? 0.0 : (k % 6 < 3 ? 1.0 : 0.1) * random();
+    solve_dense(dense, expected, n);
+
+    ExactSolver exact(line, attached, rank);
+    expect(exact.factor(factors, line.position, still), "the matrix of a line can be factored");
+    exact.add_contact(contact, rhs, kappa);
+    solve_by(exact, layout, b, kappa, x);
+    expect(distance(x, expected) <= 1e-9, "the exact solver solves the dense system");
+
+    Preconditioner fast(line, attached, rank);
+    expect(fast.factor(factors, line.position), "the chain of a line can be factored");
+    fast.clear_contacts();
+    fast.add_contact(contact, rhs, kappa);
+    solve_by(fast, layout, b, kappa, x);
+    // What is cut off couplings costs 0.002 each; geometric stiffness of ties is left out.
+    expect(distance(x, expected) <= 5e-3, "the preconditioner nearly solves the dense system");
+}
+
+// Energy of one element per lane from the formula at the head of element.hpp, by the same rule.
+Doubles energy(const Doubles (&left)[6], const Doubles (&right)[6], const Element& element,
+               double axial, Doubles quadruple_bending) {
+    const Parabola<Doubles> f = parabola(left, right, element.inverse_length);
+    Doubles sum = broadcast<Doubles>(0.0);
+    for (int point = -2; point <= 2; ++point) {
+        const int pair = point < 0 ? -point : point;
+        const double t = point < 0 ? -kPoint[pair] : kPoint[pair];
+        Doubles p[3], h[3];
+        for (int i = 0; i < 3; ++i) {
+            p[i] = f.c[0][i] + t * (f.c[1][i] + t * f.c[2][i]);
+            h[i] = f.c[1][i] + 2.0 * t * f.c[2][i];
+        }
+        const Doubles P = dot(p, p), H = dot(h, h), Q = dot(p, h), one = broadcast<Doubles>(1.0);
+        const Doubles stretch = P - one;
+        sum += kWeight[pair] * ((0.125 * axial) * stretch * stretch +
+                                0.5 * quadruple_bending * (H / (P * P) - Q * Q / (P * P * P)));
+    }
+    return sum * element.length;
+}
+
+// Elastic forces are minus the gradient of the energy.
+void test_element() {
+    constexpr double kAxial = 2e4, kBending = 30.0, kStep = 1e-5;
+    Random random;
+    Doubles nodes[2][6], length;
+    const Doubles still[6] = {};
+    for (int lane = 0; lane < kLanes; ++lane) {
+        length[lane] = 0.7 + 0.2 * random();
+        for (int i = 0; i < 6; ++i) {
+            nodes[0][i][lane] = (i == 3) + 0.1 * random();
+            nodes[1][i][lane] = (i == 3) + (i == 0) * length[lane] + 0.1 * random();
+        }
+    }
+    const Doubles bending = broadcast<Doubles>(kBending);
+    const Element element = Element::of(length, broadcast<Doubles>(kAxial), bending, broadcast<Doubles>(0.0));
+    const Doubles quadruple = 4.0 * bending / (length * length);
+    const Parabola<Doubles> f =
+        elastic_force(parabola(nodes[0], nodes[1], element.inverse_length), element.stiffness);
+    const Ends ends = wire_forces(element, f, still, still);
+    double error = 0.0, largest = 0.0;
+    for (int k = 0; k < 12; ++k) {
+        const Doubles before = nodes[k / 6][k % 6];
+        nodes[k / 6][k % 6] = before + broadcast<Doubles>(kStep);
+        const Doubles above = energy(nodes[0], nodes[1], element, kAxial, quadruple);
+        nodes[k / 6][k % 6] = before - broadcast<Doubles>(kStep);
+        const Doubles below = energy(nodes[0], nodes[1], element, kAxial, quadruple);
+        nodes[k / 6][k % 6] = before;
+        const Doubles force = k < 6 ? ends.left[k] : ends.right[k - 6];
+        for (int lane = 0; lane < kLanes; ++lane) {
+            error = std::fmax(error, std::fabs(force[lane] + (above[lane] - below[lane]) / (2.0 * kStep)));
+            largest = std::fmax(largest, std::fabs(force[lane]));
+        }
+    }
+    expect(error <= 1e-7 * largest, "elastic forces are minus the gradient of the energy");
+    std::printf("%d lanes: largest element force %.10e\n", kLanes, largest);
+}
+
+}  // namespace
+}  // namespace tautwire::TAUTWIRE_ISA
+
+int main() {
+    using namespace tautwire::TAUTWIRE_ISA;
+    test_layout();
+    test_solvers();
+    test_element();
+    return failures == 0 ? 0 : 1;
+}
