@@ -14,6 +14,7 @@ from tautwire.cli.session import answering
 def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command()(catalogue)
+    app.command()(new)
 
 
 def catalogue(
@@ -50,3 +51,40 @@ def catalogue(
             copy_entry(answer, words, copy, own, force=force)
         else:
             show_catalogue(answer, words, kind, own)
+
+
+def _option(flag: str, metavar: str, text: str) -> typer.models.OptionInfo:
+    return typer.Option(f"--{flag}", metavar=metavar, help=text, show_default=False)
+
+
+def new(  # noqa: PLR0913
+    file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="Case file to write.")],
+    system: Annotated[str | None, _option("system", "SYSTEM", "ac, dc-1.5kv or dc-3kv.")] = None,
+    speed: Annotated[str | None, _option("speed", "SPEED", 'As in "160 km/h".')] = None,
+    span: Annotated[str | None, _option("span", "LENGTH", 'As in "60 m".')] = None,
+    spans: Annotated[str | None, _option("spans", "N", "Number of spans.")] = None,
+    contact: Annotated[str | None, _option("contact", "NAME", "Contact wire.")] = None,
+    contact_tension: Annotated[
+        str | None, _option("contact-tension", "FORCE", "Its tension.")
+    ] = None,
+    messenger: Annotated[str | None, _option("messenger", "NAME", "Messenger wire.")] = None,
+    messenger_tension: Annotated[
+        str | None, _option("messenger-tension", "FORCE", "Its tension.")
+    ] = None,
+    ends: Annotated[str | None, _option("ends", "KIND", "mid-point, weighted or anchored.")] = None,
+    band: Annotated[str | None, _option("band", "FREQ", "Highest frequency of the mesh.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Write a case for your own line to begin with, and say why each value was chosen.
+
+    What is not said is asked for on a terminal, else chosen by the program.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.new import Answers, write_new
+
+        answers = Answers(
+            system, speed, span, spans, contact, contact_tension, messenger, messenger_tension,
+            ends, band,
+        )  # fmt: skip
+        write_new(answer, file, answers, force=force)

@@ -18,6 +18,7 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
 from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.views.documents import run_document
+from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
@@ -58,6 +59,7 @@ class RunRequest:
 
 def run_passage(answer: Answer, request: RunRequest) -> None:
     """Simulate a passage, show it and write its files, also when it was stopped or failed."""
+    announce_workbook(answer, request.case)
     case = load_case(request.case, request.overrides)
     limits = ReportLimits.of(request.system, request.free_uplift)
     interrupts = Interrupts()

@@ -15,6 +15,7 @@ from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.documents import static_document
+from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.inputs.load import load_case
@@ -29,6 +30,7 @@ from tautwire.text import csv_text
 
 def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: Path | None) -> None:
     """Find the static state of a case, show it, and write its files."""
+    announce_workbook(answer, reference)
     case = load_case(reference, overrides)
     with nullcontext() if out is None else prepared_folder(out) as folder:
         answer.say(program(case.settings.backend))
