@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import JsonOption
+from tautwire.cli.options import JsonOption, LimitsOption
 from tautwire.cli.session import answering
 
 
@@ -15,6 +15,7 @@ def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command()(catalogue)
     app.command()(new)
+    app.command()(limits)
 
 
 def catalogue(
@@ -57,7 +58,7 @@ def _option(flag: str, metavar: str, text: str) -> typer.models.OptionInfo:
     return typer.Option(f"--{flag}", metavar=metavar, help=text, show_default=False)
 
 
-def new(  # noqa: PLR0913
+def new(
     file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="Case file to write.")],
     system: Annotated[str | None, _option("system", "SYSTEM", "ac, dc-1.5kv or dc-3kv.")] = None,
     speed: Annotated[str | None, _option("speed", "SPEED", 'As in "160 km/h".')] = None,
@@ -88,3 +89,23 @@ def new(  # noqa: PLR0913
             ends, band,
         )  # fmt: skip
         write_new(answer, file, answers, force=force)
+
+
+def limits(
+    file: LimitsOption = None,
+    copy: Annotated[
+        Path | None,
+        typer.Option("--copy", metavar="FILE", help="Write them as a file of your own.",
+                     show_default=False),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Let --copy replace a file.")] = False,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """List the limits that a passage is checked against, or copy them to a file of your own."""
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.limits import copy_limits, show_limits
+
+        if copy is not None:
+            copy_limits(answer, copy, force=force)
+        else:
+            show_limits(answer, file)
