@@ -296,6 +296,13 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="song2021: fewer readings and coarser meshes.")
     ] = False,
+    identify: Annotated[
+        bool,
+        typer.Option(
+            "--identify",
+            help="song2021: compare readings of what the paper leaves open with its numbers.",
+        ),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -315,7 +322,7 @@ def reproduce(
         if study == SONG:
             from tautwire.cli.commands.song import reproduce_song
 
-            reproduce_song(answer, out, workers, quick=quick)
+            reproduce_song(answer, out, workers, quick=quick, identify=identify)
         else:
             reproduce_study(answer, study, out)
 
