@@ -134,12 +134,15 @@ def test_weak_numbers_are_marked(name: str, path: str, confidence: str) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_copy_can_be_loaded(name: str, tmp_path: Path) -> None:
-    """A copy is a commented file that loads to the same case under its own name."""
+    """A copy is a commented file that loads to the same line, marked as taken over."""
     path = copy_case(name, tmp_path / "my-line.yaml")
     text = path.read_text(encoding="utf-8")
     original, copy = load_case(name), load_case(path)
     assert copy.name == "my-line"
-    assert copy.with_(name=name) == original
+    its_own = {"title": "", "description": "", "sources": ()}
+    assert copy.with_(name=name, **its_own) == original.with_(**its_own)
+    assert {source.path for source in copy.sources} == {s.path for s in original.sources}
+    assert {source.template for source in copy.sources} <= {name, "ac-simple", ""}
     assert text.startswith(f"# Copied from '{name}' of the tautwire library.\n")
     assert text.count("#") > 5
     assert [entry.name for entry in tmp_path.iterdir()] == ["my-line.yaml"]

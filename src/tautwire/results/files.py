@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
 
 
 @contextmanager
@@ -46,11 +46,28 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            f"{final}: cannot be written ({reason}); check free space and permissions, or choose "
-            "another name"
+            f"{final}: cannot be written ({reason}); {cure_of(error)}, or choose another place"
         ) from error
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # a name too long for the folder has no file either
+            draft.unlink(missing_ok=True)
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+    """Write ``content`` to ``path``, completely or not at all, and return the path.
+
+    The bytes are on the disk before the file has its name: a power cut leaves it whole.
+
+    Raises
+    ------
+    InputError
+        When it cannot be written, with the reason and what to try.
+    """
+    with replacing(path) as draft, draft.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    return Path(path)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
@@ -58,6 +75,4 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
 
     Line ends are written as they stand in ``text``.
     """
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="")
-    return Path(path)
+    return write_bytes(path, text.encode())

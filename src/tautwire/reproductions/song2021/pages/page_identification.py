@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -20,6 +18,7 @@ from tautwire.reproductions.song2021.sections.identification import (
     levels,
 )
 from tautwire.results.files import write_text
+from tautwire.text import csv_text
 from tautwire.version import __version__
 
 ALONE_READING = "sharp, spans 4 to 13"
@@ -132,8 +131,4 @@ def alone_table(trials: Sequence[Trial]) -> Table:
 
 def table_csv(trials: Sequence[Trial]) -> str:
     """Return all readings as CSV."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(HEAD)
-    writer.writerows(_row(one) for one in trials)
-    return out.getvalue()
+    return csv_text(HEAD, [_row(one) for one in trials])
