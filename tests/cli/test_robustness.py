@@ -175,6 +175,8 @@ RESULTS = [
     Bad("supply system", ("run", "ac-simple", "--system", "dc"), ("--system", "dc-3kv")),
     Bad("free uplift", ("run", "ac-simple", "--free-uplift", "tall"), ("--free-uplift", "length")),
     Bad("unknown option", ("run", "ac-simple", "--speed", "300"), ("--speed",)),
+    Bad("two ways to repeat", ("reproduce", "song2021", "--quick", "--identify"),
+        ("--quick", "--identify")),
     Bad("unknown command", ("simulate", "ac-simple"), ("simulate",)),
     Bad("no case", ("run",), ("CASE",)),
 ]  # fmt: skip
