@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import csv
+import io
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import tautwire as tw
 from tautwire.reproductions.song2021 import published, sources
 from tautwire.reproductions.song2021.claims import (
     ALWAYS,
@@ -20,6 +25,7 @@ from tautwire.reproductions.song2021.claims import (
     near,
     under,
 )
+from tautwire.reproductions.song2021.pages import page_identification
 from tautwire.reproductions.song2021.passages import (
     FULL,
     MESHES,
@@ -32,6 +38,7 @@ from tautwire.reproductions.song2021.passages import (
     series,
     standard,
 )
+from tautwire.reproductions.song2021.reproduction import Identification
 from tautwire.reproductions.song2021.sections import identification, mesh, steps, vibration
 from tautwire.reproductions.song2021.sections.forces import Comb, comb
 from tautwire.reproductions.song2021.sections.irregular import (
@@ -281,6 +288,42 @@ def test_readings_are_judged_by_the_numbers_they_meet() -> None:
     assert identified(30.0, losses=2).met["Table 2"] == (6, 7)
     assert identified(30.0, losses=2).met["no loss"] == (0, 1)
     assert identified(38.25).total == 16
+
+
+def test_identification_is_written_as_page_and_csv(tmp_path: Path) -> None:
+    """Every reading is a row of the CSV; the page names the best, the price of each choice and the
+    library case."""
+    found = Identification([identified(38.25), identified(30.0)], {}, {"passages": 2, "cpu_s": 6.0})
+    for name, write in page_identification.writers(found).items():
+        write(tmp_path / name)
+    text = (tmp_path / "identification.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [row["met"] for row in rows] == ["16", "15"]
+    assert rows[0]["Table 2"] == "7/7"
+    page = (tmp_path / "identification.html").read_text(encoding="utf-8")
+    assert "The price of each choice" in page
+    assert "10°, free" in page
+    assert found.as_dict()["readings"][0]["met"]["Table 1"] == [6, 6]
+    choices = {(factor, level) for factor, level, _ in identification.levels(found.trials)}
+    assert ("arms", "10°") in choices
+    assert ("contact stiffness", "50 kN/m") in choices
+
+
+@pytest.mark.slow
+def test_a_passage_is_reduced_to_the_numbers_that_are_judged() -> None:
+    """On a short line: Table 2 by filter and window, lines, losses and the advised cut-off, equal
+    to what the run itself gives."""
+    case = tw.load_case("ac-simple", {"line.spans": 6, "scenario.uplift_force": "180 N"})
+    values, run_file = identification.measure(case, False)
+    run = tw.simulate(model := tw.build(case), tw.find_shape(model))
+    sharp = tw.contact_statistics(run).pantograph().sharp
+    first, last = case.resolved_section()
+    table = values["table"][f"sharp, spans {first} to {last}"]
+    assert table["std_0_20"] == pytest.approx(sharp.standard_deviation, abs=0.01)
+    assert values["losses"] == tw.contact_loss(run)[0].count
+    assert len(values["lines"]) == len(identification.LINES_NAD_9)
+    assert table["std_0_20"] < values["advised"] < table["std_0_200"]
+    assert run_file is None
 
 
 def test_readings_of_the_identification_are_valid_cases() -> None:

@@ -65,7 +65,7 @@ def model_section(material: Material) -> Section:
 def _table_1(material: Material) -> Table:
     found = material.statics
     places = ("support", *(f"dropper {n}" for n in range(1, 6)))
-    presag = ("0.00", *(number(v, 2) for v in found.presag[:5]))
+    presag = tuple(number(v, 2) for v in next(iter(found.presag.values()))[:6])
     rows: list[tuple[Cell, ...]] = [
         (
             place,
