@@ -137,11 +137,12 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
     factor, _, name = case.title.rpartition(" ")
     wanted = float(factor or 1.0) * line_lengths(case).named(elements=False)[name]
     model = build(case)
-    found = modes_sensitive_to(model, find_shape(model), wanted, width=WIDTH, count=MOST_SENSITIVE)
+    shape = find_shape(model)
+    found = modes_sensitive_to(model, shape, wanted, width=WIDTH, count=MOST_SENSITIVE)
     values: dict[str, Any] = {
         "name": case.title,
         "wanted": wanted,
-        "near": free_wire_frequency(case, wanted),
+        "near": free_wire_frequency(model, shape, wanted),
         "searched": found.counted,
         "sensitive": len(found.frequencies),
     }
