@@ -124,8 +124,7 @@ def tautwire(
     if version:
         from tautwire.cli.about import show_version
 
-        show_version()
-        raise typer.Exit
+        raise typer.Exit(show_version())
 
 
 @app.command()
@@ -320,6 +319,13 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="song2021: fewer readings and coarser meshes.")
     ] = False,
+    identify: Annotated[
+        bool,
+        typer.Option(
+            "--identify",
+            help="song2021: compare readings of what the paper leaves open with its numbers.",
+        ),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -339,7 +345,7 @@ def reproduce(
         if study == SONG:
             from tautwire.cli.commands.song import reproduce_song
 
-            reproduce_song(answer, out, workers, quick=quick)
+            reproduce_song(answer, out, workers, quick=quick, identify=identify)
         else:
             reproduce_study(answer, study, out)
 
