@@ -29,7 +29,7 @@ from tautwire.numerics.motion.stepper import (
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
-from ..lines import ac_simple, entering, moved
+from ..lines import ac_simple, entering, moved, straight_wire
 
 pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
 

@@ -109,6 +109,9 @@ def make_stepper(
 ) -> Stepper:
     """Set up a time integration with the chosen kernels.
 
+    With 'auto', wires that branch or form rings, which the core cannot lay end to end, are
+    integrated by the reference; ``counters.notes`` says so.
+
     Parameters
     ----------
     system
