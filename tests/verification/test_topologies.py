@@ -62,10 +62,10 @@ def test_few_sweeps(name: str) -> None:
     given = under_way(22.0, float(np.interp(22.0, wire[:, 0], wire[:, 2])), velocity=60.0)
     options = StepOptions(Newmark(), 1e-3, 5e4)
     stepper = backend.make_stepper(system, (given,), options, np.array([2]), "native")
-    block = stepper.advance(600)
+    block = stepper.advance(400)  # until well before the anchored end
     counters = stepper.counters
-    assert len(block.time) == 600
-    assert block.contact_force[300:].mean() == pytest.approx(160.0, abs=60.0)
+    assert len(block.time) == 400
+    assert block.contact_force[100:].mean() == pytest.approx(160.0, abs=60.0)
     assert counters.iterations / counters.steps <= (2.8 if name == "graded" else 2.5)
     assert counters.refactorisations == counters.full_newton_steps == 0
 
