@@ -59,10 +59,22 @@ _PREFIXED = {
     "Pa": Unit(1.0, Dimension(1, -1, -2)),
     "Hz": Unit(1.0, Dimension(time=-1)),
 }
+_POUND = 0.45359237
+_GRAVITY = 9.80665
+"""Avoirdupois pound [kg] and standard gravity [m/s^2], exact: NIST SP 811, appendix B."""
 _PLAIN = {
+    "in": Unit(0.0254, Dimension(length=1)),
+    "ft": Unit(0.3048, Dimension(length=1)),
+    "yd": Unit(0.9144, Dimension(length=1)),
+    "mi": Unit(1609.344, Dimension(length=1)),
+    "lb": Unit(_POUND, Dimension(mass=1)),
+    "lbf": Unit(_POUND * _GRAVITY, _FORCE),
+    "kip": Unit(1e3 * _POUND * _GRAVITY, _FORCE),
     "min": Unit(60.0, Dimension(time=1)),
     "h": Unit(3600.0, Dimension(time=1)),
-    "kgf": Unit(9.80665, _FORCE),
+    "kgf": Unit(_GRAVITY, _FORCE),
+    "kp": Unit(_GRAVITY, _FORCE),
+    "kph": Unit(1.0 / 3.6, Dimension(0, 1, -1)),
     "mph": Unit(0.44704, Dimension(0, 1, -1)),
     "rad": Unit(1.0, Dimension(angle=1)),
     "mrad": Unit(1e-3, Dimension(angle=1)),
@@ -187,9 +199,17 @@ def _parse_text(text: str, unit: str) -> float:
     if given.dimension != expected.dimension:
         raise UnitError(
             f"got {_shown(text)}, which is {_kind_of(given.dimension)}; "
-            f"expected {expectation(unit)}"
+            f"expected {expectation(unit)}{_as_force(text, symbol, expected)}"
         )
     return _finite(_scaled(digits, given.factor), text, unit)
+
+
+def _as_force(text: str, symbol: str, expected: Unit) -> str:
+    """Suggest the unit of force for a tension written in kilograms or pounds."""
+    force = re.sub(r"\b(kg|lb)\b", r"\1f", symbol)
+    if force == symbol or parse_unit(force).dimension != expected.dimension:
+        return ""
+    return f"; did you mean '{text.strip().removesuffix(symbol)}{force}'?"
 
 
 def _scaled(digits: str, factor: float) -> float:

@@ -263,6 +263,26 @@ BAD_VALUES = {
         "wires: {contact_2: {tension: 22 kN}}",
         ["wires.contact_2: not modelled yet: second contact wire (twin contact wire)"],
     ),
+    "trade words": (
+        "supports: {systemHeight: 1.4 m, wire-height: 5.3 m, stagger: 0.2 m, grade: 2}\n"
+        "line: {Festpunkt: 3, Systemhöhe: 1.2}",
+        [
+            "supports.systemHeight: unknown key; did you mean 'encumbrance'?",
+            "supports.wire-height: unknown key; did you mean 'contact_height'?",
+            "supports.stagger: unknown key; did you mean 'contact_stagger'?",
+            "line.Systemhöhe: unknown key; it is given as supports.encumbrance",
+            "supports.grade: not modelled yet: gradient of the track",
+            "line.Festpunkt: not modelled yet: mid-point anchor",
+        ],
+    ),
+    "words that mean something in one place": (
+        "wires: {contact: {count: 2, weight: 1.35}}\nsettings: {count: 3}",
+        [
+            "wires.contact.count: not modelled yet: second contact wire",
+            "wires.contact.weight: unknown key; did you mean 'mass'?",
+            "settings.count: unknown key; known here are",
+        ],
+    ),
     "curve": ("line: {radius: 3000 m}", ["line.radius: not modelled yet: curved track; see"]),
     "overlap": ("line: {overlap: 3}", ["line.overlap: not modelled yet: overlap of two wire runs"]),
     "source of nothing": (
@@ -480,6 +500,15 @@ def test_all_faults_at_once(tmp_path: Path) -> None:
     assert len(told.splitlines()) == 4
     for place in ("contact.tension", "settings.colour", "scenario.direction", "positions[1]"):
         assert place in told
+
+
+def test_what_is_not_modelled_is_told_first(tmp_path: Path) -> None:
+    """The feature that a line asks for goes before the faults that follow from it."""
+    path = tmp_path / "mine.yaml"
+    path.write_text("schema: 1\nname: rail\nline: {spans: 4}\nconductor_rail: 10 m\n")
+    first, *others = problems_of(path).splitlines()
+    assert "conductor_rail: not modelled yet: rigid overhead conductor rail" in first
+    assert any("wires: is missing" in other for other in others)
 
 
 def test_contradictions_are_found_beside_faults(tmp_path: Path) -> None:

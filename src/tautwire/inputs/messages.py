@@ -43,6 +43,10 @@ _BOUNDS = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
+NOT_MODELLED = "not modelled yet"
+LOOKED_AT = 100
+"""Faults of one type in one field that are put into words; the others are counted. The words for an
+unknown key take a search for the likest one."""
 _FORMS = {
     SCALAR: "a single value",
     LIST: "a list [...]",
@@ -74,11 +78,13 @@ def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) ->
     origins
         Where single values were read from, such as a cell of a table.
     """
-    faults = thinned(((fault, 0) for fault in error.errors(include_url=False)), _kind_of_fault)
+    every = ((fault, 0) for fault in error.errors(include_url=False))
+    faults = thinned(every, _kind_of_fault, LOOKED_AT)
     problems = [(problem, more) for fault, more in faults for problem in _problems(fault, data)]
     if all(fault["loc"] for fault, _ in faults):
         problems += [(problem, 0) for problem in find_contradictions(_valid_parts(data))]
     told = thinned(dict.fromkeys(problems), _kind_of_problem)
+    told.sort(key=lambda item: not item[0].text.startswith(NOT_MODELLED))  # causes go first
     return [with_count(_sentence(problem, data, origins), more) for problem, more in told]
 
 
@@ -90,8 +96,8 @@ def _kind_of_fault(fault: ErrorDetails) -> tuple[str, ...]:
 
 def _kind_of_problem(problem: Problem) -> tuple[str, ...]:
     names = [step for step in problem.path if isinstance(step, str)]
-    is_unknown_key = problem.text.startswith(("unknown key", "not modelled"))
-    return (pattern(problem.text), *(names[:-1] if is_unknown_key else names))
+    is_unknown_key = problem.text.startswith(("unknown key", NOT_MODELLED))
+    return (problem.text, *names[:-1]) if is_unknown_key else (pattern(problem.text), *names)
 
 
 def place_of(path: Path, data: Data) -> str:
@@ -153,7 +159,8 @@ def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
     kind, limits = fault["type"], fault.get("ctx", {})
     if kind == "extra_forbidden":
         parent = find_target(path[:-1]).spec
-        return unknown_key(str(path[-1]), fields_by_key(parent) if parent is not None else {})
+        fields = fields_by_key(parent) if parent is not None else {}
+        return unknown_key(str(path[-1]), fields, format_path(path[:-1]))
     target = find_target(path)
     if kind == "missing":
         return f"is missing: {_description(target)}{_wanted_quantity(target.quantity)}"
