@@ -15,6 +15,8 @@ from functools import lru_cache
 from numbers import Real
 from typing import NamedTuple, NoReturn
 
+from tautwire.text import shown
+
 
 class UnitError(ValueError):
     """A value is not a finite number, has a malformed unit or the wrong dimension."""
@@ -148,7 +150,7 @@ def parse_quantity(value: object, unit: str) -> float:
     if isinstance(value, str):
         return _parse_text(value, unit)
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise UnitError(f"got {_shown(value)}; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(value)}; expected {expectation(unit)}")
     return _finite(value, value, unit)
 
 
@@ -182,11 +184,11 @@ def expectation(unit: str) -> str:
 def _parse_text(text: str, unit: str) -> float:
     match = _NUMBER.fullmatch(text.replace("\u2212", "-").replace("\u00a0", " "))
     if match is None:
-        raise UnitError(f"got {_shown(text)}, not a number; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(text)}, not a number; expected {expectation(unit)}")
     digits, symbol = match.group(1), match.group(2).strip()
     if re.match(r"[,_'.]|\d(?!\s*/)", symbol):
         raise UnitError(
-            f"got {_shown(text)}; write numbers with a decimal point and without separators "
+            f"got {shown(text)}; write numbers with a decimal point and without separators "
             f"of thousands; expected {expectation(unit)}"
         )
     if not symbol:
@@ -194,11 +196,11 @@ def _parse_text(text: str, unit: str) -> float:
     try:
         given = parse_unit("1" + symbol if symbol.startswith("/") else symbol)
     except UnitError as error:
-        raise UnitError(f"got {_shown(text)}: {error}; expected {expectation(unit)}") from None
+        raise UnitError(f"got {shown(text)}: {error}; expected {expectation(unit)}") from None
     expected = parse_unit(unit) if unit else _ONE
     if given.dimension != expected.dimension:
         raise UnitError(
-            f"got {_shown(text)}, which is {_kind_of(given.dimension)}; "
+            f"got {shown(text)}, which is {_kind_of(given.dimension)}; "
             f"expected {expectation(unit)}{_as_force(text, symbol, expected)}"
         )
     return _finite(_scaled(digits, given.factor), text, unit)
@@ -226,7 +228,7 @@ def _finite(number: Real | float, given: object, unit: str) -> float:
     except OverflowError:
         result = math.inf
     if not math.isfinite(result):
-        raise UnitError(f"got {_shown(given)}, not a finite number; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(given)}, not a finite number; expected {expectation(unit)}")
     return result
 
 
@@ -235,14 +237,6 @@ def _kind_of(dimension: Dimension) -> str:
         if (parse_unit(unit).dimension if unit else Dimension()) == dimension:
             return kind
     return "another kind of quantity"
-
-
-def _shown(value: object) -> str:
-    """Quote a value for a message, shortened where it is long."""
-    if value is None:
-        return "nothing"
-    text = repr(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class _UnitParser:

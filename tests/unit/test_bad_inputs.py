@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
+from tautwire.analyses.road.shape import find_shape
+from tautwire.cli.folders import default_folder
 from tautwire.errors import InputError
-from tautwire.inputs.load import load_case
+from tautwire.inputs.load import load_case, make_case
+from tautwire.model.build import build
+from tautwire.model.preflight import preflight
+from tautwire.specs.checks import dropper_lengths
 
 HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"
 
@@ -211,7 +217,7 @@ BAD_VALUES = {
         "pantographs: [{include: benchmark-2015-pantograph}]",
         ["pantographs[1].name (pantograph 1): is missing: Name used in results"],
     ),
-    "name that is a path": ("name: ../x", ["name: got '../x'; expected a name without slashes"]),
+    "name of two lines": ('name: "a\\nb"', ["name: got 'a", "expected a name without control"]),
     "name that is a number": ("title: 320", ["title: got 320; expected a text (put a number in"]),
     "empty name": (
         "pantographs: [{include: benchmark-2015-pantograph, name: ''}]",
@@ -497,9 +503,97 @@ def test_all_faults_at_once(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     told = problems_of(path)
-    assert len(told.splitlines()) == 4
-    for place in ("contact.tension", "settings.colour", "scenario.direction", "positions[1]"):
+    assert len(told.splitlines()) == 5
+    for place in ("contact.tension", "settings.colour", "scenario.direction", "positions[1]",
+                  "settings.section"):  # fmt: skip
         assert place in told
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("settings: {seed: -1, section: [3, 99]}", ["settings.seed", "the line has 17 spans"]),
+        (
+            "supports: {clamp: 5 m, encumbrance: [1.2, 1.3], colour: red}",
+            ["supports.clamp", "supports.colour", "has 2 values"],
+        ),
+        (
+            "droppers: {mass: -1, positions: [60], presag: [0]}\nline: {ends: up}",
+            ["droppers.mass", "outside the span of 55 m", "line.ends"],
+        ),
+        (
+            "pantographs: [{name: a, stages: [{mass: 7, stiffness: 0, damping: -1}, "
+            "{mass: 7, stiffness: 0}], static_force: 70, force_stage: 9}]",
+            ["stages[1].damping", "stages[1].stiffness", "has 2 stages"],
+        ),
+    ],
+)
+def test_no_second_round(text: str, words: list[str], tmp_path: Path) -> None:
+    """What faulty optional values and unknown keys used to hide is told at once."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(HEAD + text + "\n", encoding="utf-8")
+    told = problems_of(path)
+    assert [word for word in words if word not in told] == [], told
+    assert len(told.splitlines()) == len(words), told
+
+
+def test_second_look_claims_nothing_false(tmp_path: Path) -> None:
+    """A misspelt choice is told alone, without what would follow from the default in its place."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "schema: 1\ninclude: ac-simple\nname: a\n"
+        "droppers: {mode: lenght, presag: null, lengths: [1, 1, 1, 1, 1, 1, 1, 1, 1]}\n",
+        encoding="utf-8",
+    )
+    assert "did you mean 'length'" in problems_of(path)
+    assert len(problems_of(path).splitlines()) == 1
+
+
+def test_encumbrance_too_small(tmp_path: Path) -> None:
+    """A messenger wire below the contact wire is one problem, and its cure works."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        HEAD + "line: {spans: 3, span_length: 62 m}\nwires: {messenger: {tension: 9 kN}}\n"
+        "droppers: {positions: [6, 18.5, 31, 43.5, 56], presag: [0, 0, 0, 0, 0]}\n"
+        "supports: {encumbrance: 0.7 m}\nsettings: {section: [2, 2]}\n",
+        encoding="utf-8",
+    )
+    (told,) = problems_of(path).splitlines()
+    assert "supports.encumbrance: is too small: at dropper 3 of span 1 the messenger wire" in told
+    found = re.search(r"give at least ([0-9.]+) m", told)
+    assert found is not None
+    cured = load_case(path, {"supports.encumbrance": f"{found.group(1)} m"})
+    shape = find_shape(build(cured))
+    assert 0.04 < shape.dropper_lengths.min() < 0.08
+    expected = dropper_lengths(
+        cured.line, cured.wires, cured.droppers, cured.supports.encumbrances(4)[:2], 1
+    )
+    assert shape.dropper_lengths[5:10] == pytest.approx(expected, abs=0.015)
+
+
+def test_names_with_a_slash(tmp_path: Path) -> None:
+    """A line may be called as the trade calls it; the folder of its files is not."""
+    case = load_case("ac-simple", ["name=B1/B2 3\\4"])
+    assert case.name == "B1/B2 3\\4"
+    assert default_folder(case.name).name == "tautwire-B1-B2-3-4"
+
+
+def test_contact_stiffness_has_a_stated_default() -> None:
+    """Without a contact stiffness that of EN 50318:2002 is used; sources and advice say so."""
+    data = load_case("ac-simple").to_dict()
+    del data["settings"]["contact_stiffness"]
+    data["sources"] = []
+    case = make_case(data)
+    assert case.settings.contact_stiffness == 50e3
+    assert case.settings.contact_stiffness == load_case("en50318-2002").settings.contact_stiffness
+    assert [s.source for s in case.sources if s.path == "settings.contact_stiffness"] == [
+        "Not given; the value of the reference model of EN 50318:2002 is used"
+    ]
+    assert [a.severity for a in preflight(case) if a.topic == "contact stiffness"] == ["warning"]
+    given = make_case(data, {"settings.contact_stiffness": "50 kN/m"})
+    assert not [a for a in preflight(given) if a.topic == "contact stiffness"]
+    del data["settings"]
+    assert make_case(data).settings.contact_stiffness == 50e3
 
 
 def test_what_is_not_modelled_is_told_first(tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ from tautwire.inputs.paths import (
 )
 from tautwire.inputs.reach import Reach
 from tautwire.specs.case import SCHEMA_VERSION
+from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
 """Documents that one case may be put together from."""
@@ -210,7 +211,8 @@ class _Composer:
             if not isinstance(reference, str):
                 place = format_path((*at, "include"))
                 raise InputError(
-                    f"{document.label}: {place}: got {reference!r}; give one library name or file"
+                    f"{document.label}: {place}: got {shown(reference)}; give one library name or "
+                    "file"
                 )
             base = self.document(self._included(reference, document), at, trail)
         values: dict[str, Any] = {}
@@ -317,9 +319,9 @@ def _leads_somewhere(at: ValuePath) -> bool:
 def _check_schema(version: object, label: str) -> None:
     if version != SCHEMA_VERSION or isinstance(version, bool):
         raise InputError(
-            f"{label}: schema: got {version!r}; this program reads version {SCHEMA_VERSION} of the "
-            f"input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the input "
-            "reference if it was written for another version"
+            f"{label}: schema: got {shown(version)}; this program reads version {SCHEMA_VERSION} "
+            f"of the input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the "
+            "input reference if it was written for another version"
         )
 
 
@@ -334,7 +336,9 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
             hint = did_you_mean(name, _TABLES) or f"; known are: {', '.join(_TABLES)}"
             problems.append(f"{label}: tables.{name}: unknown table{hint}")
         elif not isinstance(file, str):
-            problems.append(f"{label}: tables.{name}: got {file!r}; give the path of a CSV file")
+            problems.append(
+                f"{label}: tables.{name}: got {shown(file)}; give the path of a CSV file"
+            )
     if problems:
         raise InputError(problems)
     return tables

@@ -15,8 +15,10 @@ from tautwire.inputs.composition import Composition, compose
 from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
-from tautwire.inputs.paths import PathError, find_target, parse_path
+from tautwire.inputs.paths import Path as ValuePath
+from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
 from tautwire.specs.case import SCHEMA_VERSION, Case
+from tautwire.specs.settings import NOT_GIVEN
 
 
 def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:
@@ -87,6 +89,7 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
             f"schema: is missing; write 'schema: {SCHEMA_VERSION}', the version of the input format"
         )
     problems += _unknown_sources(data)
+    _state_defaults(data)
     case = None
     try:
         case = Case.model_validate(data)
@@ -100,6 +103,26 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
     if case is None or told:
         raise InputError(told)
     return case
+
+
+STATED_DEFAULTS: dict[ValuePath, str] = {
+    ("settings", "contact_stiffness"): "the value of the reference model of EN 50318:2002 is used"
+}
+"""Values that no line or pantograph determines, and what is used where they are not given."""
+
+
+def _state_defaults(data: dict[str, Any]) -> None:
+    """Add to the sources of a case that values were chosen because none were given."""
+    sources = data.get("sources", [])
+    if not isinstance(sources, (list, tuple)):
+        return
+    marks = [
+        {"path": format_path(path), "source": f"{NOT_GIVEN}; {text}", "confidence": "choice"}
+        for path, text in STATED_DEFAULTS.items()
+        if value_at(data, path) is None
+    ]
+    if marks:
+        data["sources"] = [*sources, *marks]
 
 
 def _unknown_sources(data: Mapping[str, Any]) -> list[str]:
