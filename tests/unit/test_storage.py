@@ -14,8 +14,12 @@ import h5netcdf
 import numpy as np
 import pytest
 
+from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import InputError
+from tautwire.model.build import build
+from tautwire.model.equations import equations
 from tautwire.model.irregularity import draw_irregularities
+from tautwire.numerics.network.system import internal_force
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import replacing, write_text
@@ -360,3 +364,36 @@ def test_module_is_light() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert answer.stdout.strip() == "set()"
+
+
+FORMAT_1 = Path(__file__).parents[1] / "data" / "format-1.nc"
+"""A run of three spans of AC simple, stopped after 0.12 s, written by version 0.1 in format 1."""
+
+
+def test_format_1_is_read() -> None:
+    """A run of format 1 reads as the wires of format 2: the same line found anew has the same
+    coordinates, droppers and arms, and the equations built from the file are in balance."""
+    run = load_run(FORMAT_1)
+    model = build(run.case)
+    anew = find_shape(model)
+    old = run.equilibrium
+    assert old.wire_names == anew.wire_names
+    assert old.position == pytest.approx(anew.position, abs=1e-9)
+    for name in ("node_s", "node_wire", "dropper_wires", "support_number", "arm_supports"):
+        assert np.array_equal(getattr(old, name), getattr(anew, name))
+    for name in ("arm_ends", "suspension_free_heights", "contact_preloads", "end_pulls"):
+        assert getattr(old, name) == pytest.approx(getattr(anew, name), abs=1e-5)
+    system = equations(model, old)
+    residual = internal_force(system, old.position).nodal - system.load
+    assert np.abs(residual[~system.fixed]).max() <= 1e-4
+    x, heights = run.snapshots.of(0)
+    still = np.interp(x, old.contact.s, old.contact.position[:, 2])
+    assert heights[0] == pytest.approx(still, abs=1e-6)
+    assert run.time[-1] == pytest.approx(0.12)
+
+
+def test_format_1_is_written_as_format_2(tmp_path: Path) -> None:
+    """A run of format 1 that is saved again reads back equal."""
+    run = load_run(FORMAT_1)
+    save_run(run, tmp_path / "again.nc")
+    assert _same(load_run(tmp_path / "again.nc").equilibrium, run.equilibrium)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 FORMAT = "tautwire results"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,9 @@ PANTOGRAPH_SCALARS = (
 
 SNAPSHOTS = (
     Entry("time", "time", ("time",), "s", "time since the start"),
-    Entry("x", "x", ("x",), "m", "position along the track"),
-    Entry("contact_z", "contact_z", ("time", "x"), "m", "height of the contact wire"),
-    Entry("messenger_z", "messenger_z", ("time", "x"), "m", "height of the messenger wire"),
+    Entry("x", "x", ("point",), "m", "position along the track"),
+    Entry("wire", "wire", ("point",), "1", "number of the wire of the point, from 0"),
+    Entry("z", "z", ("time", "point"), "m", "height of the wire"),
 )
 
 EVENTS = (
@@ -157,7 +157,16 @@ EQUILIBRIUM = (
     Entry(
         "cable_length", "cable_lengths", ("element",), "m", "unstrained length of a wire element"
     ),
-    Entry("station_x", "station_x", ("station",), "m", "position of the stations"),
+    Entry("node_s", "node_s", ("node",), "m", "place of the node along the track"),
+    Entry("node_wire", "node_wire", ("node",), "1", "number of the wire of the node, from 0"),
+    Entry("wire_name", "wire_names", ("wire",), "1", "name of the wire"),
+    Entry(
+        "wire_role",
+        "wire_roles",
+        ("wire",),
+        "1",
+        "what the wire is: contact, messenger, auxiliary or stitch",
+    ),
     Entry("dropper_span", "dropper_span", ("dropper",), "1", "span of the dropper, from 1"),
     Entry(
         "dropper_number",
@@ -165,6 +174,13 @@ EQUILIBRIUM = (
         ("dropper",),
         "1",
         "number of the dropper in its span, from 1",
+    ),
+    Entry(
+        "dropper_wire",
+        "dropper_wires",
+        ("dropper", "side"),
+        "1",
+        "numbers of the wires above and below, from 0",
     ),
     Entry("dropper_x", "dropper_x", ("dropper",), "m", "position of the dropper"),
     Entry(
@@ -193,7 +209,15 @@ EQUILIBRIUM = (
         "dropper_heights",
         ("dropper",),
         "m",
-        "height of the contact wire at the dropper",
+        "height of the lower wire at the dropper",
+    ),
+    Entry("support_number", "support_number", ("support",), "1", "number of the support, from 1"),
+    Entry(
+        "support_wire",
+        "support_wire",
+        ("support",),
+        "1",
+        "number of the contact wire that is held there, from 0",
     ),
     Entry("support_x", "support_x", ("support",), "m", "position of the support"),
     Entry(
@@ -203,9 +227,7 @@ EQUILIBRIUM = (
         "m",
         "height of the contact wire at the support",
     ),
-    Entry(
-        "arm_support", "arm_supports", ("arm",), "1", "number of the support with the arm, from 1"
-    ),
+    Entry("arm_support", "arm_supports", ("arm",), "1", "row of the support with the arm, from 1"),
     Entry("arm_force", "arm_forces", ("arm",), "N", "steady-arm force, tension positive"),
     Entry(
         "arm_angle",
@@ -216,25 +238,32 @@ EQUILIBRIUM = (
     ),
     Entry("arm_end", "arm_ends", ("arm", "component"), "m", "far end of the arm: x, y, z"),
     Entry(
-        "messenger_free_height",
-        "messenger_free_heights",
-        ("inner_support",),
+        "suspension_free_height",
+        "suspension_free_heights",
+        ("suspension",),
         "m",
-        "height at which the messenger-wire support spring is slack",
+        "height at which the spring that carries a messenger wire is slack",
     ),
     Entry(
         "contact_preload",
         "contact_preloads",
-        ("inner_support",),
+        ("support",),
         "N",
         "upward force of the contact-wire support spring, 0 where there is none",
+    ),
+    Entry(
+        "joint_pull",
+        "joint_pulls",
+        ("joint", "component"),
+        "N",
+        "force of a joint of two wires on the one that holds the other",
     ),
     Entry(
         "end_pull",
         "end_pulls",
         ("end", "wire"),
         "N",
-        "longitudinal force on the wire ends: left and right; contact and messenger wire",
+        "longitudinal force on the ends of the wire: left and right",
     ),
     Entry("weight", "weight", (), "N", "weight of the line"),
     Entry("reaction", "reaction", (), "N", "sum of the vertical support reactions"),

@@ -76,19 +76,27 @@ class PantographRecord:
 
 @dataclass(frozen=True, eq=False)
 class Snapshots:
-    """Coarse shapes of both wires during the passage (for the animation).
+    """Coarse shapes of all wires during the passage (for the animation).
 
     Attributes
     ----------
     time : (n_frame,) s
     x : (n_point,) m
-    contact_z, messenger_z : (n_frame, n_point) m
+        Places along the track, wire by wire.
+    wire : (n_point,)
+        Number of the wire of each point, in the order of ``Equilibrium.wire_names``.
+    z : (n_frame, n_point) m
     """
 
     time: Array
     x: Array
-    contact_z: NDArray[np.float32]
-    messenger_z: NDArray[np.float32]
+    wire: NDArray[np.int64]
+    z: NDArray[np.float32]
+
+    def of(self, wire: int) -> tuple[Array, NDArray[np.float32]]:
+        """Return the points ``(n,)`` and the heights ``(n_frame, n)`` of one wire."""
+        own = self.wire == wire
+        return self.x[own], self.z[:, own]
 
 
 @dataclass(frozen=True, eq=False)

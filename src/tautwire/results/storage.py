@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautwire.errors import InputError
-from tautwire.results import layout
+from tautwire.results import layout, upgrade
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import replacing
 from tautwire.results.irregularity import DrawnIrregularities
@@ -99,7 +99,7 @@ def load_run(path: PathLike) -> Run:
             message=_text(file, "message"),
             time=_array(file, "time"),
             pantographs=_read_pantographs(file),
-            snapshots=Snapshots(**_read_entries(file.groups["snapshots"], layout.SNAPSHOTS)),
+            snapshots=_read_snapshots(file),
             counters=json.loads(_text(file, "counters")),
             warnings=tuple(json.loads(_text(file, "warnings"))),
             provenance=json.loads(_text(file, "provenance")),
@@ -251,11 +251,11 @@ def _check_kind(file: h5netcdf.File, path: PathLike, kind: str) -> None:
             "'tautwire run' or 'tautwire static'"
         )
     got = int(file.attrs.get("format_version", 0))
-    if got != FORMAT_VERSION:
+    if not 1 <= got <= FORMAT_VERSION:
         newer = "install a newer tautwire" if got > FORMAT_VERSION else "compute it again"
         raise InputError(
-            f"{path}: has format version {got}, this tautwire reads version {FORMAT_VERSION}; "
-            f"{newer}"
+            f"{path}: has format version {got}, this tautwire reads versions 1 to "
+            f"{FORMAT_VERSION}; {newer}"
         )
     if kind == "run" and file.attrs.get("kind") != "run":
         raise InputError(
@@ -398,7 +398,26 @@ def _text(file: h5netcdf.File, name: str) -> str:
 
 
 def _read_equilibrium(file: h5netcdf.File) -> Equilibrium:
-    return Equilibrium(**_read_entries(file.groups["equilibrium"], layout.EQUILIBRIUM))
+    found = _upgraded(file, "equilibrium", layout.EQUILIBRIUM, upgrade.equilibrium_from_1)
+    for name in ("wire_names", "wire_roles"):
+        found[name] = tuple(str(value) for value in found[name])
+    return Equilibrium(**found)
+
+
+def _read_snapshots(file: h5netcdf.File) -> Snapshots:
+    return Snapshots(**_upgraded(file, "snapshots", layout.SNAPSHOTS, upgrade.snapshots_from_1))
+
+
+def _upgraded(
+    file: h5netcdf.File, name: str, entries: tuple[Entry, ...], from_1: Callable[[Any], Any]
+) -> dict[str, Any]:
+    """Read the listed variables of a group, those of an older format through its upgrade."""
+    group = file.groups[name]
+    if str(file.attrs["format_version"]) == str(FORMAT_VERSION):
+        return _read_entries(group, entries)
+    values = from_1({key: _array(group, key) for key in group.variables})
+    found = {entry.source: np.asarray(values[entry.name]) for entry in entries}
+    return {source: data if data.ndim else data.item() for source, data in found.items()}
 
 
 def _read_entries(group: h5netcdf.Group, entries: tuple[Entry, ...]) -> dict[str, Any]:
