@@ -18,9 +18,8 @@ from exudyn_rig import ExudynLine
 from numpy.typing import NDArray
 
 import tautwire as tw
-from tautwire.model.build import Model, interior_support_nodes
+from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.model.mesh import CONTACT
 from tautwire.model.passage import plan_passage
 from tautwire.numerics.contact.path import ContactWirePath
 from tautwire.numerics.motion.backend import backend_name, make_stepper
@@ -70,7 +69,7 @@ def _loaded_encumbrances(case: Case) -> list[float]:
 def _hanging(model: Model) -> Model:
     """Let the contact wire hang free at the supports while the shape is sought."""
     held = model.form.held.copy()
-    held[6 * interior_support_nodes(model.mesh, CONTACT) + 2] = False
+    held[6 * model.mesh.nodes(piece.at for piece in model.line.registrations) + 2] = False
     return replace(model, form=replace(model.form, held=held))
 
 

@@ -13,7 +13,6 @@ import numpy as np
 
 import tautwire as tw
 from tautwire.model.equations import equations
-from tautwire.model.mesh import CONTACT
 from tautwire.model.passage import plan_passage
 from tautwire.numerics.motion.backend import backend_name, make_stepper
 from tautwire.numerics.motion.stepper import StepOptions, Stepper
@@ -25,7 +24,7 @@ WARM_UP = 300
 
 def prepare(spans: int, nodes: int, backend: str) -> tuple[Stepper, int]:
     """Load, build, find the shape and factor; return the time integration and its size."""
-    case = tw.load_case("ac-simple").with_(
+    case = tw.load_case("ac-simple-plane").with_(
         **{
             "line.spans": spans,
             "settings.nodes_between_droppers": nodes,
@@ -40,7 +39,7 @@ def prepare(spans: int, nodes: int, backend: str) -> tuple[Stepper, int]:
     options = StepOptions(
         Newmark(), settings.time_step, settings.contact_stiffness, tolerance=settings.tolerance
     )
-    observed = 6 * (2 * model.mesh.support_station + CONTACT) + 2
+    observed = 6 * model.mesh.nodes(at for _, at in model.line.contact_supports) + 2
     stepper = make_stepper(system, pantographs, options, observed, backend)  # type: ignore[arg-type]
     stepper.advance(1)
     return stepper, system.dof_count

@@ -276,7 +276,7 @@ def passage(
         settings.time_step,
         integrator=integrator,
         pantographs=plan_passage(model, shape, case.uplift_forces()).pantographs,
-        observed=12 * model.mesh.support_station + 2,
+        observed=6 * model.mesh.nodes(at for _, at in model.line.contact_supports) + 2,
         contact_stiffness=settings.contact_stiffness,
         **{"tolerance": settings.tolerance, **options},
     )

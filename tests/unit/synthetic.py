@@ -93,22 +93,29 @@ def make_equilibrium(case: Case) -> Equilibrium:
     return Equilibrium(
         position=position.ravel(),
         cable_lengths=np.tile(np.diff(x), 2),
-        station_x=x,
+        node_s=np.repeat(x, 2),
+        node_wire=np.tile(np.arange(2), x.size),
+        wire_names=("contact", "messenger"),
+        wire_roles=("contact", "messenger"),
         dropper_span=np.repeat(np.arange(1, spans + 1), 9),
         dropper_number=np.tile(np.arange(1, 10), spans),
+        dropper_wires=np.tile([1, 0], (dropper_x.size, 1)),
         dropper_x=dropper_x,
         dropper_lengths_unstrained=lengths - 0.0005,
         dropper_lengths=lengths,
         dropper_forces=np.tile([196.0, 74, 78, 83, 86, 83, 78, 74, 196], spans),
         dropper_heights=np.interp(dropper_x, x, position[:, 0, 0, 2]),
+        support_number=np.arange(1, spans + 2),
+        support_wire=np.zeros(spans + 1, dtype=np.int64),
         support_x=supports,
         support_heights=np.full(spans + 1, 5.3),
         arm_supports=arms,
         arm_forces=np.full(arms.size, 320.0),
         arm_angles=np.full(arms.size, 0.188),
         arm_ends=np.column_stack([supports[1:-1], stagger[1:-1] + 1.2 * side, 5.53 + 0 * side]),
-        messenger_free_heights=np.full(spans - 1, 6.503),
-        contact_preloads=np.zeros(spans - 1),
+        suspension_free_heights=np.full(spans - 1, 6.503),
+        contact_preloads=np.zeros(spans + 1),
+        joint_pulls=np.empty((0, 3)),
         end_pulls=np.array([[-22e3, -16e3], [22e3, 16e3]]),
         weight=2.5e4,
         reaction=2.5e4,
@@ -218,7 +225,7 @@ def _record(
         for place in (400.0, 512.0):
             force[np.abs(position - place - behind / 9.0) < 0.4] = 0.0
     force = np.where(active, np.maximum(force, 0.0), 0.0)
-    static = np.interp(position, equilibrium.station_x, equilibrium.contact_position[:, 2])
+    static = np.interp(position, equilibrium.contact.s, equilibrium.contact_position[:, 2])
     lift = 0.055 + 0.03 * np.sin(wave / 55.0 - 1.2)
     height = np.where(active, static + lift, static)
     stages = np.column_stack([lift + 0.004 * np.sin(wave / 5.75) * k for k in range(3)])
@@ -246,11 +253,19 @@ def _snapshots(
 ) -> Snapshots:
     x = np.arange(0.0, equilibrium.support_x[-1] + 1.0, 1.25)
     frames = np.arange(0, time.size, 25)
-    shape = equilibrium.station_x
+    shape = equilibrium.contact.s
     lift = np.zeros((frames.size, x.size))
     for record in records:
         ahead = (x[None, :] - record.position[frames, None]) / 14.0
         lift += 0.085 * np.exp(-(ahead**2)) * record.active[frames, None]
     contact = np.interp(x, shape, equilibrium.contact_position[:, 2]) + lift
     messenger = np.interp(x, shape, equilibrium.messenger_position[:, 2]) + 0.6 * lift
-    return Snapshots(time[frames], x, contact.astype(np.float32), messenger.astype(np.float32))
+    return both_wires(time[frames], x, contact, messenger)
+
+
+def both_wires(
+    time: np.ndarray, x: np.ndarray, contact: np.ndarray, messenger: np.ndarray
+) -> Snapshots:
+    """Return shapes of a contact and a messenger wire at the same places."""
+    z = np.concatenate([contact, messenger], axis=1).astype(np.float32)
+    return Snapshots(time, np.tile(x, 2), np.repeat(np.arange(2), x.size), z)

@@ -36,7 +36,7 @@ def measured_like(run: Run, gain: float = 1.0, **changes: Any) -> MeasuredRun:
     """Return a measurement equal to the run, its force about 169 N times `gain`."""
     record = run.pantographs[0]
     static = np.interp(
-        record.position, run.equilibrium.station_x, run.equilibrium.contact_position[:, 2]
+        record.position, run.equilibrium.contact.s, run.equilibrium.contact_position[:, 2]
     )
     whole = MeasuredRun(
         label="run.csv",

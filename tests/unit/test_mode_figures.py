@@ -11,7 +11,7 @@ from tautwire.analyses.vibration.contact_wire import wavenumber_spectrum
 from tautwire.analyses.vibration.space_time import SpaceTime
 from tautwire.analyses.vibration.transmissibility import Receptance
 from tautwire.report.figures import mode_figures
-from tautwire.results.modes import Modes
+from tautwire.results.modes import Modes, ModeWire
 
 
 @pytest.fixture
@@ -19,12 +19,13 @@ def waves() -> Modes:
     """Two made-up modes with wavelengths of 2.875 and 5 m."""
     x = np.arange(0.0, 110.0, 0.25)
     shapes = np.stack([np.sin(2.0 * np.pi * x / length) for length in (2.875, 5.0)])
-    moves = np.zeros((2, x.size, 2, 3))
-    moves[:, :, 0, 2] = shapes
+    moves = np.zeros((2, x.size, 3))
+    moves[:, :, 2] = shapes
+    wires = (ModeWire("contact", x, moves), ModeWire("messenger", x, 0.0 * moves))
     shares = np.zeros((2, 6))
     shares[:, 2] = 1.0
     return Modes(
-        "made up", "0", np.array([44.0, 45.0]), x, moves, x, shapes, shares,
+        "made up", "0", np.array([44.0, 45.0]), wires, x, shapes, shares,
         np.array([2.875, 5.0]), np.zeros(2), 0.0, 2,
     )  # fmt: skip
 

@@ -275,8 +275,9 @@ def test_animation_has_its_data(page: _Page, run: Run) -> None:
     [film] = json.loads(page.data["film-data"])
     assert len(film["supports"]) == run.case.line.spans + 1
     assert [p["name"] for p in film["pantographs"]] == ["front"]
-    moved = np.frombuffer(base64.b64decode(film["frames"]["contact"]["data"]), dtype="u1")
-    count, frames = film["frames"]["count"], run.snapshots.time.size
+    contact = film["frames"]["wires"][0]
+    moved = np.frombuffer(base64.b64decode(contact["moved"]["data"]), dtype="u1")
+    count, frames = contact["count"], run.snapshots.time.size
     assert moved.size == count * frames
     [canvas] = [attrs for tag, attrs in page.elements if tag == "canvas"]
     assert canvas["aria-label"]
@@ -286,9 +287,10 @@ def test_animation_has_its_data(page: _Page, run: Run) -> None:
 def test_animation_keeps_the_shape(page: _Page, run: Run) -> None:
     """Heights read back from the film equal the stored ones within half a step of 1/255."""
     [film] = json.loads(page.data["film-data"])
-    packed, frames = film["frames"]["contact"], run.snapshots.contact_z
+    contact, (_, frames) = film["frames"]["wires"][0], run.snapshots.of(0)
+    packed = contact["moved"]
     moved = np.frombuffer(base64.b64decode(packed["data"]), dtype="u1").astype(float)
-    still = np.frombuffer(base64.b64decode(film["frames"]["contactStill"]["data"]), dtype="<f4")
+    still = np.frombuffer(base64.b64decode(contact["still"]["data"]), dtype="<f4")
     heights = (packed["low"] + packed["step"] * moved).reshape(frames.shape) + still
     assert np.abs(heights - frames).max() <= 0.51 * packed["step"] + 1e-6
     assert packed["step"] < 1e-3

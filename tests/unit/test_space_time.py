@@ -9,9 +9,9 @@ import pytest
 
 from tautwire.analyses.vibration.space_time import wire_velocity
 from tautwire.errors import InputError
-from tautwire.results.run import Run, Snapshots
+from tautwire.results.run import Run
 
-from .synthetic import make_case, make_run
+from .synthetic import both_wires, make_case, make_run
 
 SPEED, LENGTH, HEIGHT = 120.0, 30.0, 0.02
 
@@ -24,7 +24,7 @@ def run_with_a_wave() -> Run:
     time, x = np.arange(0.0, 1.0, 0.005), np.arange(0.0, 200.0, 1.0)
     phase = 2.0 * np.pi * (x[None, :] - SPEED * time[:, None]) / LENGTH
     wave = (5.3 + HEIGHT * np.sin(phase)).astype(np.float32)
-    return dataclasses.replace(run, snapshots=Snapshots(time, x, wave, wave + np.float32(1.2)))
+    return dataclasses.replace(run, snapshots=both_wires(time, x, wave, wave + np.float32(1.2)))
 
 
 def test_travelling_wave() -> None:

@@ -60,7 +60,7 @@ def test_low_frequency_is_static(line: Line) -> None:
     low = receptance(model, shape, positions=[x], frequencies=[1e-3]).values[0, 0]
     free = ~system.fixed
     load = np.zeros(len(free))
-    load[12 * int(np.searchsorted(shape.station_x, x - 1e-9)) + 2] = 1.0
+    load[12 * int(np.searchsorted(shape.contact.s, x - 1e-9)) + 2] = 1.0
     static = load[free] @ spsolve(Vibration(system).stiffness.tocsc(), load[free])
     assert low.real == pytest.approx(static, rel=1e-6)
     assert abs(low.imag) < 1e-3 * low.real

@@ -94,7 +94,7 @@ def test_even_points_lie_on_the_wire(shape: Equilibrium) -> None:
     points = even_points(shape)
     assert np.diff(points.x) == pytest.approx(points.spacing)
     assert points.values(shape.position, 0) == pytest.approx(points.x, abs=1e-9)
-    heights = np.interp(shape.station_x, points.x, points.values(shape.position))
+    heights = np.interp(shape.contact.s, points.x, points.values(shape.position))
     assert heights == pytest.approx(shape.contact_position[:, 2], abs=2e-3)
 
 

@@ -140,7 +140,8 @@ def test_modes_near_a_frequency(short_line: tuple[Model, Equilibrium, System]) -
     assert result.shares.min() >= -1e-12
     ranked = result.participation[result.ranked()]
     assert np.all(np.diff(ranked) <= 0.0)
-    assert result.displacements.shape == (12, len(shape.station_x), 2, 3)
+    contact = result.wires[0]
+    assert contact.displacements.shape == (12, len(shape.contact.s), 3)
 
 
 def test_band_is_complete(short_line: tuple[Model, Equilibrium, System]) -> None:
@@ -218,6 +219,6 @@ def test_tables_of_modes(short_line: tuple[Model, Equilibrium, System]) -> None:
     assert table[0].startswith("frequency [Hz],sensitive wavelength [m]")
     assert len(table) == 5
     shapes = result.shapes_csv().splitlines()
-    assert len(shapes) == 1 + len(shape.station_x)
+    assert len(shapes) == 1 + len(shape.contact.s)
     assert len(shapes[0].split(",")) >= 9
     assert result.as_dict()["counted_by_inertia"] == 4

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.pipeline import run_case
 from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.specs.case import Case
 
@@ -140,3 +142,34 @@ def test_transverse_waves_arrive_later_and_are_larger() -> None:
     assert len(before) > 500
     assert len(after) > 300
     assert np.sqrt((before**2).mean()) < 0.25 * np.sqrt((after**2).mean())
+
+
+@pytest.mark.parametrize("method", ["constant", "variable", "adaptive"])
+@pytest.mark.parametrize("forces", [(150.0, 150.0), (150.0, 0.0), (0.0, 150.0), (0.0, 0.0)])
+def test_every_step_control_follows_every_pantograph(
+    method: str, forces: tuple[float, float]
+) -> None:
+    """Whatever the step control and whichever pantograph is lowered, a passage ends with its
+    statistics: a lowered pantograph is without contact all the time, in one loss."""
+    changes = {"settings__time_step": 2e-3, "settings__step_control": {"method": method}}
+    run = run_case(train(2, **changes).with_(**{"scenario.uplift_force": forces}))
+    assert run.status == "done"
+    for entry, force in zip(contact_statistics(run).pantographs, forces, strict=True):
+        loss = entry.contact_loss
+        assert loss.percent < 90.0 if force else loss.percent == pytest.approx(100.0)
+        assert loss.count > 0 if force else loss.count == 1
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("start", [0.0, 0.002, 5.0])
+@pytest.mark.parametrize("ends", ["anchored", "weighted"])
+def test_passage_from_the_anchor_stays_on_the_wire(start: float, direction: str, ends: str) -> None:
+    """A pantograph may start at the anchor itself; the last step ends before the far one, whatever
+    the step, and also where a weight lets the end of the wire move."""
+    held = {"left": "anchored", "right": ends}
+    given = {"settings__start": start, "settings__time_step": 3.3e-3, "line__ends": held}
+    run = run_case(train(1, scenario__direction=direction, **given))
+    assert run.status == "done"
+    position = run.pantographs[0].position
+    assert 0.0 < position.min() < position.max() < 110.0
+    assert np.ptp(position) > 110.0 - 2.0 * start - 1.0

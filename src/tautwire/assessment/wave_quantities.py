@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
+from tautwire.line.expand import expand
+from tautwire.line.measures import attachment_intervals, intervals, span_lengths
 from tautwire.specs.case import Case
 
 
@@ -135,7 +136,7 @@ def _wave_rows(case: Case) -> list[WaveQuantity]:
 
 def _static_rows(case: Case) -> list[WaveQuantity]:
     wires = case.wires
-    longest = max(case.line.span_lengths())
+    longest = max(span_lengths(expand(case)))
     rows = [
         WaveQuantity(
             "mid-span elasticity, estimate",
@@ -163,7 +164,8 @@ def _passing_rows(case: Case) -> list[WaveQuantity]:
     rows = []
     for name, length in passing_lengths(case).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    element = _shortest_element(case)
+    shortest, _ = attachment_intervals(expand(case))
+    element = shortest / (case.settings.nodes_between_droppers - 1)
     rows.append(
         WaveQuantity(
             "passing of the shortest element (numerical)",
@@ -189,25 +191,13 @@ def passing_lengths(case: Case) -> dict[str, float]:
     dict of str to float m
         Keys ``span``, ``dropper interval`` (the most frequent one), ``support-dropper interval``.
     """
-    spans = case.line.span_lengths()
     first, last = case.resolved_section()
-    middle = (first + last) // 2 - 1
-    droppers = case.droppers.positions_by_span(len(spans))[middle]
-    lengths = {"span": spans[middle]}
-    intervals = [round(b - a, 6) for a, b in pairwise(droppers)]
-    if intervals:
-        lengths["dropper interval"] = max(intervals, key=lambda d: (intervals.count(d), d))
-    if droppers and droppers[0] > 0.0:
-        lengths["support-dropper interval"] = droppers[0]
+    middle = (first + last) // 2
+    found = intervals(expand(case), middle, middle)
+    lengths = {"span": found.spans[0]}
+    if found.between:
+        rounded = [round(value, 6) for value in found.between]
+        lengths["dropper interval"] = max(rounded, key=lambda d: (rounded.count(d), d))
+    if found.beside and found.beside[0] > 0.0:
+        lengths["support-dropper interval"] = found.beside[0]
     return lengths
-
-
-def _shortest_element(case: Case) -> float:
-    """Return the shortest wire element of the mesh [m]: shortest interval / (nodes - 1)."""
-    spans = case.line.span_lengths()
-    shortest = min(spans)
-    for length, droppers in zip(spans, case.droppers.positions_by_span(len(spans)), strict=True):
-        stations = [0.0, *droppers, length]
-        gaps = (b - a for a, b in pairwise(stations))
-        shortest = min(shortest, *(gap for gap in gaps if gap > 1e-9))
-    return shortest / (case.settings.nodes_between_droppers - 1)

@@ -10,7 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.catalogue.entries import list_entries, read_entry
+from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
+from tautwire.inputs import inheritance
+from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
 from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.line_tables import (
@@ -44,7 +47,7 @@ _TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
     "supports": (read_support_table, ("line", "supports")),
     "droppers": (read_dropper_table, ("droppers",)),
 }
-_OWN_KEYS = ("include", "tables", "schema", "sources")
+_OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
 _UNEVENNESS = ("irregularities", "unevenness")
 
@@ -90,7 +93,9 @@ class Composition:
     problems
         Sentences about tables that could not be used.
     incomplete
-        Top-level keys that lack the content of such a table.
+        Top-level keys that lack the content of such a table, and mappings that lack what they use.
+    shelf
+        The catalogue with the own files of the case.
     """
 
     label: str
@@ -98,6 +103,7 @@ class Composition:
     origins: dict[ValuePath, str] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
     incomplete: set[str] = field(default_factory=set)
+    shelf: Shelf = field(default_factory=package_shelf)
 
 
 def compose(name_or_path: str | Path) -> Composition:
@@ -110,12 +116,19 @@ def compose(name_or_path: str | Path) -> Composition:
     """
     document = find_document(name_or_path, Path())
     composer = _Composer(Composition(document.label), Reach.of(document.folder))
-    part = composer.document(document, (), ())
-    result = composer.result
-    result.values = {**part.values}
-    if part.sources:
-        result.values.setdefault("sources", part.sources)
-    return result
+    return composer.compose(document)
+
+
+def compose_data(data: Mapping[str, Any]) -> Composition:
+    """Put together a case given as plain data; what it includes is found where the program runs.
+
+    Raises
+    ------
+    InputError
+        When an include cannot be resolved.
+    """
+    document = Document("case", "case", Path(), dict(data))
+    return _Composer(Composition("case"), Reach.of(Path())).compose(document)
 
 
 def find_document(reference: str | Path, folder: Path | None) -> Document:
@@ -169,6 +182,14 @@ class _Composer:
         self._reach = reach
         self._documents = 0
 
+    def compose(self, document: Document) -> Composition:
+        """Compose the case that a document describes."""
+        part = self.document(document, (), ())
+        self.result.values = {**part.values}
+        if part.sources:
+            self.result.values.setdefault("sources", part.sources)
+        return self.result
+
     def document(self, document: Document, at: ValuePath, trail: Trail) -> _Part:
         """Compose a whole document; the trail names the documents that include it."""
         self._refuse_endless(document, trail)
@@ -177,13 +198,45 @@ class _Composer:
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
         if at:
             own.pop("schema", None)
-        tables = own.pop("tables", None)
+        tables, template = own.pop("tables", None), own.pop("template", None)
         sources = _own_sources(own.pop("sources", []), at, document.label)
+        outer = self.result.shelf
+        self._take_own_catalogue(own.pop("catalogue", None), document)
         overlay = self._tables(tables, own, document)
         part = self._mapping(own, at, document, (*trail, document))
+        if trail:
+            self.result.shelf = outer
         values = merge(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
-        return _Part(values, _united(kept, _sources_of_tables(tables, overlay), sources))
+        begun = self._of_template(template, values, at, document, trail)
+        sources = inheritance.still_stated(sources, values, at)
+        return _Part(values, _united(begun, kept, _sources_of_tables(tables, overlay), sources))
+
+    def _take_own_catalogue(self, given: Any, document: Document) -> None:
+        """Put the own catalogue files of a document before what its includers brought."""
+        if given is None:
+            return
+        try:
+            paths = own_files(given, document.folder, document.label)
+            for path in paths:
+                self._reach.check(path, document.label)
+            self.result.shelf = shelf_with(paths, self.result.shelf)
+        except InputError as error:
+            self.result.problems += error.problems
+
+    def _of_template(
+        self, name: Any, values: Mapping[str, Any], at: ValuePath, document: Document, trail: Trail
+    ) -> Sources:
+        """Return the sources of what a document still has in common with its template."""
+        if name is None:
+            return []
+        if at or name not in _library_names():
+            raise InputError(
+                f"{document.label}: template: got {name!r}; it names the library case of which "
+                f"the file is a copy: {', '.join(_library_names())}"
+            )
+        base = self.document(find_document(name, None), at, (*trail, document))
+        return inheritance.marked(_still_true(base.sources, at, base.values, values), name)
 
     def _refuse_endless(self, document: Document, trail: Trail) -> None:
         self._documents += 1
@@ -215,14 +268,41 @@ class _Composer:
                     "file"
                 )
             base = self.document(self._included(reference, document), at, trail)
+            if not at:
+                base = self._inherited(base, reference, document)
+        used = self._used(own, at, document)
         values: dict[str, Any] = {}
         sources: Sources = []
-        for key, value in own.items():
+        for key, value in chosen_variants(own, used.values).items():
             part = self._value(value, (*at, key), document, trail)
             values[key] = part.values[key]
             sources += part.sources
-        merged = merge(base.values, values)
-        return _Part(merged, _united(_still_true(base.sources, at, base.values, merged), sources))
+        return self._over(base, self._over(used, _Part(values, sources), at), at)
+
+    def _inherited(self, base: _Part, reference: str, document: Document) -> _Part:
+        """Leave out what a case never takes over, and mark what a user's case takes over."""
+        values = inheritance.without_identity(base.values, document.label)
+        from_library = reference in _library_names() and document.folder is not None
+        sources = inheritance.marked(base.sources, reference) if from_library else base.sources
+        return _Part(values, sources)
+
+    def _used(self, own: dict[str, Any], at: ValuePath, document: Document) -> _Part:
+        """Take the key 'use' out of a mapping and return what it gives."""
+        if USE not in own:
+            return _Part({}, [])
+        try:
+            return _Part(*write_out(own.pop(USE), own, at, self.result.shelf))
+        except InputError as error:
+            self.result.problems += [f"{document.label}: {text}" for text in error.problems]
+            self.result.incomplete.add(format_path(at))
+            return _Part({}, [])
+
+    @staticmethod
+    def _over(base: _Part, local: _Part, at: ValuePath) -> _Part:
+        """Merge two parts of a mapping; sources of replaced numbers go."""
+        merged = merge(base.values, local.values)
+        kept = _still_true(base.sources, at, base.values, merged)
+        return _Part(merged, _united(kept, local.sources))
 
     def _value(self, value: Any, at: ValuePath, document: Document, trail: Trail) -> _Part:
         """Compose one value; the part holds it under the last step of its path."""

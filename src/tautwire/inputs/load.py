@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
-from tautwire.inputs.composition import Composition, compose
+from tautwire.inputs.composition import Composition, compose, compose_data
 from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
@@ -53,7 +53,7 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
 
 
 def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
-    """Validate a case given as plain data, as a file would hold it after its includes.
+    """Validate a case given as plain data, as a file would hold it.
 
     Parameters
     ----------
@@ -67,8 +67,7 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
     InputError
         When anything is wrong; every fault is named with its place and its cure.
     """
-    values = {"schema": SCHEMA_VERSION, **data}
-    return _validated(Composition("case", values=values), overrides)
+    return _validated(compose_data({"schema": SCHEMA_VERSION, **data}), overrides)
 
 
 def _refuse_pantograph(reference: str | Path) -> None:
@@ -81,7 +80,7 @@ def _refuse_pantograph(reference: str | Path) -> None:
 
 
 def _validated(composition: Composition, overrides: Overrides) -> Case:
-    data, problems = apply_overrides(composition.values, overrides)
+    data, problems = apply_overrides(composition.values, overrides, composition.shelf)
     for part in composition.incomplete:
         data.pop(part, None)
     if "schema" not in data:

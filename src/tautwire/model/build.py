@@ -1,4 +1,4 @@
-"""Turn a case into arrays: mesh, supports, loads and the first guess of the shape."""
+"""Turn a case into arrays: pieces, mesh, what is prescribed, and a first guess of the shape."""
 
 from __future__ import annotations
 
@@ -7,11 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.model.arms import given_arms
-from tautwire.model.guess import StringWire, coupled_shape, string_shape
+from tautwire.line.expand import expand
+from tautwire.line.pieces import GivenHeight, Line, Run
+from tautwire.model.guess import Guess, guess_shape
 from tautwire.model.irregularity import draw_irregularities
-from tautwire.model.mesh import CONTACT, MESSENGER, Mesh, divide
-from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Path, Rayleigh, Ties
+from tautwire.model.mesh import Mesh, Strand, divide
+from tautwire.model.registrations import design_stays, groups
+from tautwire.numerics.network.parts import (
+    TENSION_ONLY,
+    Cables,
+    Clamps,
+    Path,
+    Rayleigh,
+    Ties,
+)
 from tautwire.numerics.network.system import System
 from tautwire.numerics.statics.form_finding import FormProblem
 from tautwire.results.irregularity import DrawnIrregularities
@@ -20,15 +29,10 @@ from tautwire.specs.case import Case
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-
-@dataclass(frozen=True, eq=False)
-class SupportGeometry:
-    """Nominal wire positions at the supports, both anchors included, each ``(n_support,)`` [m]."""
-
-    contact_height: Array
-    contact_y: Array
-    messenger_height: Array
-    messenger_y: Array
+CLAMP_STIFFNESS = 1e7
+"""Stiffness of the joint of two wires [N/m]: under a stitch wire's tension of 3.5 kN it gives way
+by a third of a millimetre along the track and under 100 N by 11 micrometres; stiffer joints cost
+iterations of the time integration and change nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +43,18 @@ class Model:
     ----------
     case : Case
         What was described.
+    line : Line
+        Its pieces.
     mesh : Mesh
-        Stations of both wires.
-    supports : SupportGeometry
-        Nominal wire positions.
+        Nodes and elements of every wire.
+    irregularities : DrawnIrregularities
     form : FormProblem
         What is prescribed while the shape is sought, and a first guess.
     """
 
     case: Case
+    line: Line
     mesh: Mesh
-    supports: SupportGeometry
     irregularities: DrawnIrregularities
     form: FormProblem
 
@@ -66,200 +71,155 @@ def build(case: Case) -> Model:
     -------
     Model
     """
-    mesh = divide(case)
-    supports = _support_geometry(case)
-    lumped, loads = _lumps(case, mesh)
+    line = expand(case)
+    mesh = divide(line, case.settings.nodes_between_droppers)
     drawn = draw_irregularities(case)
-    guess = _guess(case, mesh, supports, loads, drawn)
-    system = _system(case, mesh, supports, guess, lumped)
+    gravity = case.line.gravity
+    lumped = _lumped_masses(line, mesh)
+    errors = (drawn.dropper_height, drawn.dropper_length)
+    guess = guess_shape(line, mesh, lumped * gravity, gravity, errors)
+    system = System(
+        cables=_cables(line, mesh, guess),
+        ties=_hangers(line, mesh, guess.length),
+        clamps=_joints(line, mesh),
+        stays=design_stays(line, mesh),
+        node_mass=lumped,
+        load=_design_loads(line, mesh, lumped, gravity),
+        fixed=np.zeros(6 * mesh.node_count, dtype=bool),
+        position=_positions(line, mesh, guess).ravel(),
+        paths=tuple(
+            Path(strand.run.name, strand.nodes, strand.cables)
+            for strand in mesh.strands
+            if strand.run.role == "contact"
+        ),
+        damping=Rayleigh(case.line.damping.mass, case.line.damping.stiffness),
+    )
     problem = FormProblem(
-        system=system.with_(load=_constant_loads(case, mesh, loads)),
-        held=_held(case, mesh),
+        system=system,
+        held=_held(line, mesh),
         cable_slot=6 * system.cables.nodes[:, 1],
-        tie_slot=_dropper_slots(case, mesh),
-        gravity=case.line.gravity,
-        taut=np.ones(len(mesh.dropper_x), dtype=bool),
+        tie_slot=_hanger_slots(line, mesh),
+        gravity=gravity,
+        taut=np.ones(len(line.hangers), dtype=bool),
     )
-    return Model(case, mesh, supports, drawn, problem)
+    return Model(case, line, mesh, drawn, problem)
 
 
-def _support_geometry(case: Case) -> SupportGeometry:
-    count = case.line.spans + 1
-    spec = case.supports
-    height = np.array(spec.contact_heights(count))
-    return SupportGeometry(
-        contact_height=height,
-        contact_y=np.array(spec.contact_staggers(count)),
-        messenger_height=height + np.array(spec.encumbrances(count)),
-        messenger_y=np.array(spec.messenger_staggers(count)),
+def _lumped_masses(line: Line, mesh: Mesh) -> Array:
+    """Return the masses of clamps and springs, ``(n_node,)`` [kg]."""
+    mass = np.zeros(mesh.node_count)
+    for hanger in line.hangers:
+        mass[mesh.node(hanger.upper)] += hanger.clamps[0]
+        mass[mesh.node(hanger.lower)] += hanger.clamps[1]
+    for piece in line.registrations:
+        mass[mesh.node(piece.at)] += piece.clamp + piece.kind.mass
+    return mass
+
+
+def _laterals(line: Line, strand: Strand) -> Array:
+    """Return the nominal lateral position of the nodes of a strand: straight between supports."""
+    run = strand.run
+    pieces = (*line.registrations, *line.suspensions)
+    known = {end.s: end.y for end in (run.start, run.end)}
+    known |= {piece.at.s: piece.y for piece in pieces if piece.at.run == run.name}
+    places = sorted(known)
+    return np.interp(strand.s, places, [known[s] for s in places])
+
+
+def _points(line: Line, strand: Strand, guess: Guess) -> Array:
+    """Return the guessed positions of the nodes of a strand, ``(n, 3)`` [m]."""
+    return np.stack([strand.s, _laterals(line, strand), guess.height[strand.nodes]], axis=1)
+
+
+def _stretch(run: Run) -> float:
+    return 1.0 + run.wire.tension / run.wire.axial_stiffness
+
+
+def _positions(line: Line, mesh: Mesh, guess: Guess) -> Array:
+    """Return guessed coordinates and slopes of all nodes, ``(n_node, 2, 3)``."""
+    position = np.zeros((mesh.node_count, 2, 3))
+    for strand in mesh.strands:
+        r = _points(line, strand, guess)
+        direction = np.gradient(r, strand.s, axis=0)
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        position[strand.nodes, 0] = r
+        position[strand.nodes, 1] = _stretch(strand.run) * direction
+    return position
+
+
+def _cables(line: Line, mesh: Mesh, guess: Guess) -> Cables:
+    """Return all wire elements, strand by strand, at guessed unstrained lengths."""
+    parts = []
+    for strand in mesh.strands:
+        wire, count = strand.run.wire, len(strand.cables)
+        chord = np.linalg.norm(np.diff(_points(line, strand, guess), axis=0), axis=1)
+        parts.append(
+            Cables(
+                np.stack([strand.nodes[:-1], strand.nodes[1:]], axis=1),
+                chord / _stretch(strand.run),
+                axial=np.full(count, wire.axial_stiffness),
+                bending=np.full(count, wire.bending_stiffness),
+                mass=np.full(count, wire.mass),
+            )
+        )
+    return Cables.none().joined(*parts)
+
+
+def _hangers(line: Line, mesh: Mesh, lengths: Array) -> Ties:
+    """Return the hangers at guessed unstrained lengths."""
+    pieces = line.hangers
+    ends = [(mesh.node(piece.upper), mesh.node(piece.lower)) for piece in pieces]
+    stiffness = [p.stiffness.of_length(length) for p, length in zip(pieces, lengths, strict=True)]
+    axial = [np.nan if p.stiffness.axial is None else p.stiffness.axial for p in pieces]
+    return Ties(
+        nodes=np.array(ends, dtype=np.int64).reshape(-1, 2),
+        length=lengths,
+        stiffness=np.array(stiffness),
+        axial=np.array(axial),
+        mass=np.array([piece.mass for piece in pieces]),
+        law=np.full(len(pieces), TENSION_ONLY),
     )
 
 
-def interior_support_nodes(mesh: Mesh, wire: int) -> Index:
-    """Return the nodes of one wire at the supports between the anchors."""
-    return 2 * mesh.support_station[1:-1] + wire
+def _joints(line: Line, mesh: Mesh) -> Clamps:
+    """Return the joints of runs, which carry nothing where their nodes coincide."""
+    ends = [(mesh.node(joint.host), mesh.node(joint.other)) for joint in line.joints]
+    count = len(ends)
+    return Clamps(
+        np.array(ends, dtype=np.int64).reshape(-1, 2),
+        np.full(count, CLAMP_STIFFNESS),
+        np.zeros((count, 3)),
+    )
 
 
-def _lumps(case: Case, mesh: Mesh) -> tuple[Array, Array]:
-    """Return lumped masses of clamps and spring supports ``(n_node,)`` and their weights [N]."""
-    mass = np.zeros(2 * mesh.station_count)
-    mass[2 * mesh.dropper_station + CONTACT] += case.droppers.clamp_contact
-    mass[2 * mesh.dropper_station + MESSENGER] += case.droppers.clamp_messenger
-    inner = interior_support_nodes(mesh, CONTACT)
-    mass[inner] += case.supports.clamp
-    if case.supports.spring is not None and case.supports.closure == "spring":
-        mass[inner] += case.supports.spring.mass
-    return mass, mass * case.line.gravity
-
-
-def arm_half_weight(case: Case) -> float:
-    """Return half the weight of one steady arm [N]; the other half hangs on its far end."""
-    arm = case.supports.arm
-    return 0.5 * arm.mass * arm.length * case.line.gravity
-
-
-def _constant_loads(case: Case, mesh: Mesh, weights: Array) -> Array:
+def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Array:
     """Return the loads that do not depend on the unstrained lengths, ``(n_dof,)``."""
-    load = np.zeros((2 * mesh.station_count, 6))
-    load[:, 2] -= weights
-    load[-2 + CONTACT, 0] = case.wires.contact.tension
-    load[-2 + MESSENGER, 0] = case.wires.messenger.tension
-    inner = interior_support_nodes(mesh, CONTACT)
-    if case.supports.closure == "lift":
-        load[inner, 2] += case.supports.lift
-    elif case.supports.closure == "arm":
-        load[inner, 2] -= arm_half_weight(case)
+    load = np.zeros((mesh.node_count, 6))
+    load[:, 2] -= lumped * gravity
+    for strand in mesh.strands:
+        load[strand.nodes[-1], 0] = strand.run.wire.tension
+    for group in groups(line, mesh):
+        load[group.nodes, 2] += group.kind.design_lift(gravity)
     return load.ravel()
 
 
-def _held(case: Case, mesh: Mesh) -> NDArray[np.bool_]:
+def _held(line: Line, mesh: Mesh) -> NDArray[np.bool_]:
     """Return the degrees of freedom held while the shape is sought."""
-    held = np.zeros((2 * mesh.station_count, 6), dtype=bool)
-    held[:2, :3] = True
-    held[-2:, 1:3] = True
-    held[interior_support_nodes(mesh, MESSENGER), 1:3] = True
-    inner = interior_support_nodes(mesh, CONTACT)
-    if case.supports.closure in ("height", "spring"):
-        held[inner, 1:3] = True
-    elif case.supports.closure == "lift":
-        held[inner, 1] = True
+    held = np.zeros((mesh.node_count, 6), dtype=bool)
+    for strand in mesh.strands:
+        held[strand.nodes[0], :3] = True
+        held[strand.nodes[-1], 1:3] = True
+    held[mesh.nodes(piece.at for piece in line.suspensions), 1:3] = True
+    for group in groups(line, mesh):
+        for direction in group.kind.held:
+            held[group.nodes, direction] = True
     return held.ravel()
 
 
-def _dropper_slots(case: Case, mesh: Mesh) -> Index:
-    if case.droppers.mode == "length":
-        return np.full(len(mesh.dropper_x), -1)
-    return 6 * (2 * mesh.dropper_station + CONTACT) + 2
-
-
-@dataclass(frozen=True, eq=False)
-class _Guess:
-    contact_height: Array
-    messenger_height: Array
-    dropper_length: Array
-
-
-def _guess(
-    case: Case,
-    mesh: Mesh,
-    supports: SupportGeometry,
-    weights: Array,
-    drawn: DrawnIrregularities,
-) -> _Guess:
-    """Guess heights of both wires and unstrained dropper lengths."""
-    contact = _string(case, mesh, CONTACT, weights)
-    messenger = _string(case, mesh, MESSENGER, weights)
-    at, spec = mesh.dropper_station, case.droppers
-    spring = 0.0
-    if spec.mode == "length":
-        given = np.concatenate([np.array(s) for s in spec.lengths_by_span(case.line.spans)])
-        lengths = given + drawn.dropper_length
-        held_contact = _with_heights(contact, mesh.support_station, supports.contact_height)
-        held = _with_heights(messenger, mesh.support_station, supports.messenger_height)
-        z_c, z_m = coupled_shape(mesh.x, held_contact, held, at, lengths)
-        return _Guess(z_c, z_m, lengths)
-    droop = np.concatenate([np.array(s) for s in spec.presag_by_span(case.line.spans)])
-    straight = np.interp(mesh.dropper_x, mesh.support_x, supports.contact_height)
-    stations = np.concatenate([mesh.support_station, at])
-    heights = np.concatenate([supports.contact_height, straight - droop + drawn.dropper_height])
-    z_c, reaction = string_shape(mesh.x, _with_heights(contact, stations, heights))
-    load = messenger.load.copy()
-    load[at] += reaction[at]
-    loaded = StringWire(messenger.tension, load, messenger.held, messenger.height)
-    z_m, _ = string_shape(
-        mesh.x, _with_heights(loaded, mesh.support_station, supports.messenger_height)
-    )
-    length = z_m[at] - z_c[at]
-    if spec.stiffness.spring is not None:
-        spring = spec.stiffness.spring
-        length = length - reaction[at] / spring
-    return _Guess(z_c, z_m, length)
-
-
-def _string(case: Case, mesh: Mesh, wire: int, weights: Array) -> StringWire:
-    spec = case.wires.contact if wire == CONTACT else case.wires.messenger
-    dx = np.diff(mesh.x)
-    load = weights[wire::2].copy()
-    own = 0.5 * spec.mass * case.line.gravity * dx
-    load[:-1] += own
-    load[1:] += own
-    return StringWire(spec.tension, load, np.empty(0, dtype=np.int64), np.empty(0))
-
-
-def _with_heights(wire: StringWire, held: Index, height: Array) -> StringWire:
-    return StringWire(wire.tension, wire.load, held, height)
-
-
-def _system(
-    case: Case, mesh: Mesh, supports: SupportGeometry, guess: _Guess, lumped: Array
-) -> System:
-    """Assemble the arrays of the line at the guessed shape."""
-    n = mesh.station_count
-    wires = (case.wires.contact, case.wires.messenger)
-    laterals = (supports.contact_y, supports.messenger_y)
-    heights = (guess.contact_height, guess.messenger_height)
-    position = np.zeros((n, 2, 2, 3))
-    lengths = []
-    for wire, (spec, y, z) in enumerate(zip(wires, laterals, heights, strict=True)):
-        r = np.stack([mesh.x, np.interp(mesh.x, mesh.support_x, y), z], axis=1)
-        stretch = 1.0 + spec.tension / spec.axial_stiffness
-        chord = np.linalg.norm(np.diff(r, axis=0), axis=1)
-        lengths.append(chord / stretch)
-        direction = np.gradient(r, mesh.x, axis=0)
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        position[:, wire, 0] = r
-        position[:, wire, 1] = stretch * direction
-    per_wire = np.repeat([[w.axial_stiffness, w.bending_stiffness, w.mass] for w in wires],
-                         n - 1, axis=0)  # fmt: skip
-    nodes = [np.stack([mesh.nodes(w)[:-1], mesh.nodes(w)[1:]], 1) for w in (CONTACT, MESSENGER)]
-    return System(
-        cables=Cables(
-            np.concatenate(nodes),
-            np.concatenate(lengths),
-            axial=per_wire[:, 0],
-            bending=per_wire[:, 1],
-            mass=per_wire[:, 2],
-        ),
-        ties=_droppers(case, mesh, guess.dropper_length),
-        stays=given_arms(case, mesh, supports.contact_height, supports.contact_y),
-        node_mass=lumped,
-        load=np.zeros(12 * n),
-        fixed=np.zeros(12 * n, dtype=bool),
-        position=position.ravel(),
-        paths=(Path("contact", mesh.nodes(CONTACT), np.arange(n - 1)),),
-        damping=Rayleigh(case.line.damping.mass, case.line.damping.stiffness),
-    )
-
-
-def _droppers(case: Case, mesh: Mesh, lengths: Array) -> Ties:
-    """Return the droppers at guessed unstrained lengths."""
-    spec, count = case.droppers, len(lengths)
-    stiffness = [spec.stiffness.of_length(length) for length in lengths]
-    return Ties(
-        nodes=2 * mesh.dropper_station[:, None] + np.array([MESSENGER, CONTACT]),
-        length=lengths,
-        stiffness=np.array(stiffness),
-        axial=np.full(count, np.nan if spec.stiffness.axial is None else spec.stiffness.axial),
-        mass=np.full(count, spec.mass),
-        law=np.full(count, TENSION_ONLY),
-    )
+def _hanger_slots(line: Line, mesh: Mesh) -> Index:
+    """Return the coordinate whose place each hanger's length takes; -1 where it is given."""
+    slots = [
+        6 * mesh.node(piece.lower) + 2 if isinstance(piece.given, GivenHeight) else -1
+        for piece in line.hangers
+    ]
+    return np.array(slots, dtype=np.int64)

@@ -1,90 +1,108 @@
-"""Stations of both wires: supports, droppers and the even division between them."""
+"""Strands of wire elements between attachments; the only place that computes node numbers."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.specs.case import Case
+from tautwire.line.pieces import At, Line, Run
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-CONTACT, MESSENGER = 0, 1
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """One run as nodes and elements.
+
+    Attributes
+    ----------
+    run : Run
+    s : (n,) m
+        Place of its nodes along the track, from left to right.
+    nodes : (n,)
+    cables : (n - 1,)
+        Elements between them.
+    """
+
+    run: Run
+    s: Array
+    nodes: Index
+    cables: Index
+
+    def position(self, s: float) -> int:
+        """Return which of its nodes lies at a place where something is attached [m]."""
+        return int(np.abs(self.s - s).argmin())
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Stations along the track; each carries a contact-wire and a messenger-wire node.
+    """All strands of a line; nodes are numbered along the track, at one place by strand.
 
     Attributes
     ----------
-    x : (n_station,) m
-    support_station : (n_support,)
-        Stations of the supports, both anchors included.
-    dropper_station : (n_dropper,)
-    dropper_span, dropper_number : (n_dropper,)
-        1-based span and number within the span.
+    strands : tuple of Strand
+    s : (n_node,) m
+        Place of every node along the track.
     """
 
-    x: Array
-    support_station: Index
-    dropper_station: Index
-    dropper_span: Index
-    dropper_number: Index
+    strands: tuple[Strand, ...]
+    s: Array
 
     @property
-    def station_count(self) -> int:
-        """Number of stations."""
-        return len(self.x)
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return len(self.s)
 
-    @property
-    def support_x(self) -> Array:
-        """Longitudinal position of the supports [m]."""
-        return self.x[self.support_station]
+    @cached_property
+    def _by_name(self) -> dict[str, Strand]:
+        return {strand.run.name: strand for strand in self.strands}
 
-    @property
-    def dropper_x(self) -> Array:
-        """Longitudinal position of the droppers [m]."""
-        return self.x[self.dropper_station]
+    def strand(self, run: str) -> Strand:
+        """Return the strand of a run."""
+        return self._by_name[run]
 
-    def nodes(self, wire: int) -> Index:
-        """Node numbers of one wire from left to right."""
-        return 2 * np.arange(self.station_count) + wire
+    def node(self, at: At) -> int:
+        """Return the node at an attachment."""
+        strand = self._by_name[at.run]
+        return int(strand.nodes[strand.position(at.s)])
+
+    def nodes(self, places: Iterable[At]) -> Index:
+        """Return the nodes at some attachments."""
+        return np.array([self.node(at) for at in places], dtype=np.int64)
 
 
-def divide(case: Case) -> Mesh:
-    """Divide every interval between neighbouring attachment points into NAD - 1 elements.
+def divide(line: Line, nodes_between: int) -> Mesh:
+    """Divide every interval between neighbouring attachments of a run evenly.
 
     Parameters
     ----------
-    case
-        The line; NAD is ``settings.nodes_between_droppers``.
+    line
+        The pieces.
+    nodes_between
+        Nodes from one attachment to the next, both counted (NAD).
     """
-    spans = case.line.span_lengths()
-    positions = case.droppers.positions_by_span(len(spans))
-    support_x = np.concatenate([[0.0], np.cumsum(spans)])
-    elements = case.settings.nodes_between_droppers - 1
-    points: list[float] = [0.0]
-    support_index, dropper_index = [0], []
-    span_of, number_of = [], []
-    for i, in_span in enumerate(positions):
-        for number, position in enumerate(in_span, start=1):
-            dropper_index.append(len(points))
-            span_of.append(i + 1)
-            number_of.append(number)
-            points.append(support_x[i] + position)
-        support_index.append(len(points))
-        points.append(support_x[i + 1])
+    places = [_divided(np.array(line.points(run.name)), nodes_between - 1) for run in line.runs]
+    s = np.concatenate(places)
+    strand_of = np.repeat(np.arange(len(places)), [len(p) for p in places])
+    order = np.lexsort((strand_of, s))
+    number = np.empty(len(s), dtype=np.int64)
+    number[order] = np.arange(len(s))
+    strands, first_node, first_cable = [], 0, 0
+    for run, own in zip(line.runs, places, strict=True):
+        nodes = number[first_node : first_node + len(own)]
+        cables = np.arange(first_cable, first_cable + len(own) - 1)
+        strands.append(Strand(run, own, nodes, cables))
+        first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
+    return Mesh(tuple(strands), s[order])
+
+
+def _divided(ends: Array, elements: int) -> Array:
+    """Divide the intervals between some points into a number of elements each."""
     fractions = np.arange(elements) / elements
-    ends = np.array(points)
     inner = ends[:-1, None] + np.diff(ends)[:, None] * fractions
-    return Mesh(
-        x=np.concatenate([inner.ravel(), ends[-1:]]),
-        support_station=elements * np.array(support_index),
-        dropper_station=elements * np.array(dropper_index, dtype=np.int64),
-        dropper_span=np.array(span_of, dtype=np.int64),
-        dropper_number=np.array(number_of, dtype=np.int64),
-    )
+    return np.concatenate([inner.ravel(), ends[-1:]])

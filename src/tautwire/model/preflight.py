@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, Literal
 
+from tautwire.line.expand import expand
+from tautwire.line.measures import attachment_intervals
 from tautwire.specs.case import Case
 from tautwire.specs.settings import NOT_GIVEN
 
@@ -99,20 +100,9 @@ def element_lengths(case: Case) -> tuple[float, float]:
     The intervals between neighbouring attachment points are divided evenly into
     ``nodes_between_droppers - 1`` elements.
     """
-    shortest, longest = _interval_range(case)
+    shortest, longest = attachment_intervals(expand(case))
     elements = case.settings.nodes_between_droppers - 1
     return shortest / elements, longest / elements
-
-
-def _interval_range(case: Case) -> tuple[float, float]:
-    spans = case.line.span_lengths()
-    positions = case.droppers.positions_by_span(len(spans))
-    gaps = [
-        right - left
-        for length, droppers in zip(spans, positions, strict=True)
-        for left, right in pairwise((0.0, *droppers, length))
-    ]
-    return min(gaps), max(gaps)
 
 
 def _not_given(case: Case) -> Iterator[Advice]:
@@ -241,7 +231,7 @@ def _element_passing(case: Case) -> Iterator[Advice]:
 
 def _nodes_for(case: Case, band: float) -> int:
     """Return the fewest nodes between droppers that keep element passing out of a band."""
-    _, interval = _interval_range(case)
+    _, interval = attachment_intervals(expand(case))
     return math.floor(band * interval / case.scenario.speed) + 2
 
 
@@ -300,11 +290,11 @@ def _sampling(case: Case) -> Iterator[Advice]:
 
 def _memory(case: Case) -> Iterator[Advice]:
     """Tell that the histories of a passage fill the memory of a usual machine."""
-    spans = case.line.spans
-    droppers = sum(len(row) for row in case.droppers.positions_by_span(spans))
+    line = expand(case)
+    droppers, supports = len(line.hangers), len(line.contact_supports)
     stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
     steps = case.line.length() / case.scenario.speed / case.settings.time_step
-    size = 2 * 8 * steps * (droppers + spans + 1 + stages)
+    size = 2 * 8 * steps * (droppers + supports + stages)
     if size > _MUCH_MEMORY:
         yield Advice(
             "memory",

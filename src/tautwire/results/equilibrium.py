@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,46 +12,91 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class WireShape:
+    """One wire in the static state.
+
+    Attributes
+    ----------
+    name, role : str
+    nodes : (n,)
+        Numbers of its nodes in the arrays of the line, from left to right.
+    s : (n,) m
+        Their place along the track.
+    position, slope : (n, 3) m, 1
+        Coordinates, and their derivatives along the unstrained wire.
+    lengths : (n - 1,) m
+        Unstrained lengths of its elements.
+    """
+
+    name: str
+    role: str
+    nodes: NDArray[np.int64]
+    s: Array
+    position: Array
+    slope: Array
+    lengths: Array
+
+    def element(self, s: Array) -> NDArray[np.int64]:
+        """Return which of its elements lie at some places, those beyond an end in the last [m]."""
+        found = np.searchsorted(self.s, s, side="right") - 1
+        return np.clip(found, 0, len(self.lengths) - 1)
+
+    def dofs(self, element: NDArray[np.int64], direction: int) -> NDArray[np.int64]:
+        """Return the coordinates (r1, r1', r2, r2') of some elements in a direction, ``(n, 4)``."""
+        left, right = self.nodes[element], self.nodes[element + 1]
+        ends = [6 * left, 6 * left + 3, 6 * right, 6 * right + 3]
+        return np.stack(ends, axis=-1) + direction
+
+
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
     """Static state found by :func:`tautwire.find_shape`.
 
-    Axis order of per-dropper data is span by span, left to right; of per-support data left to
-    right, both anchors included.
+    Everything is ordered from left to right. Numbers that a person reads count from 1, numbers of
+    nodes and wires from 0.
 
     Attributes
     ----------
     position : (n_dof,) m
-        Nodal coordinates, node by node ``x y z x' y' z'``; node = 2*station + wire
-        (0 contact wire, 1 messenger wire).
+        Nodal coordinates, node by node ``x y z x' y' z'``.
+    node_s : (n_node,) m
+        Place of each node along the track.
+    node_wire : (n_node,)
+        Wire that each node belongs to; the nodes of a wire are numbered from left to right.
+    wire_names, wire_roles : (n_wire,) tuples of str
     cable_lengths : (n_element,) m
-        Unstrained length of every wire element.
-    station_x : (n_station,) m
-        Longitudinal coordinate of the stations.
+        Unstrained length of every wire element, wire by wire.
     dropper_span, dropper_number : (n_dropper,)
-        1-based span of each dropper and its 1-based number within the span.
+        Span of each dropper and its number within the span.
+    dropper_wires : (n_dropper, 2)
+        Wires above and below.
     dropper_x : (n_dropper,) m
     dropper_lengths_unstrained, dropper_lengths : (n_dropper,) m
         Unstrained and stretched dropper lengths, clamp to clamp.
     dropper_forces : (n_dropper,) N
         Mean axial force, tension positive.
     dropper_heights : (n_dropper,) m
-        Height of the contact wire at the droppers.
+        Height of the lower wire at the droppers.
+    support_number, support_wire : (n_support,)
+        Number of the support, and the contact wire that it holds.
     support_x, support_heights : (n_support,) m
-        Position of the supports and height of the contact wire there.
+        Where contact wires are held, their ends included, and their height there.
+    contact_preloads : (n_support,) N
+        Upward force of the springs that stand in place of steady arms; 0 where there is none.
     arm_supports : (n_arm,)
-        1-based numbers of the supports that carry a steady arm.
+        Rows of the supports that carry a steady arm, from 1.
     arm_forces : (n_arm,) N
         Axial force of the steady arms, tension positive.
     arm_angles : (n_arm,) rad
         Inclination of the arms, positive when the far end is above the wire.
     arm_ends : (n_arm, 3) m
         Far (hinged) ends of the arms.
-    messenger_free_heights : (n_support - 2,) m
-        Height at which the messenger-wire support springs are slack, supports 2 .. n-1.
-    contact_preloads : (n_support - 2,) N
-        Upward force of the contact-wire support springs (closure ``spring``), otherwise 0.
-    end_pulls : (2, 2) N
-        Longitudinal force on the wire ends: left and right; contact and messenger wire.
+    suspension_free_heights : (n_suspension,) m
+        Height at which the springs that carry messenger wires are slack.
+    joint_pulls : (n_joint, 3) N
+        Force of each joint of two wires on the one that holds the other.
+    end_pulls : (2, n_wire) N
+        Longitudinal force on the left and the right end of every wire.
     weight, reaction : float N
         Weight of the line, and sum of the vertical reactions of all supports and anchors.
     iterations, residual : int, N
@@ -58,38 +104,84 @@ class Equilibrium:
     """
 
     position: Array
+    node_s: Array
+    node_wire: NDArray[np.int64]
+    wire_names: tuple[str, ...]
+    wire_roles: tuple[str, ...]
     cable_lengths: Array
-    station_x: Array
     dropper_span: NDArray[np.int64]
     dropper_number: NDArray[np.int64]
+    dropper_wires: NDArray[np.int64]
     dropper_x: Array
     dropper_lengths_unstrained: Array
     dropper_lengths: Array
     dropper_forces: Array
     dropper_heights: Array
+    support_number: NDArray[np.int64]
+    support_wire: NDArray[np.int64]
     support_x: Array
     support_heights: Array
+    contact_preloads: Array
     arm_supports: NDArray[np.int64]
     arm_forces: Array
     arm_angles: Array
     arm_ends: Array
-    messenger_free_heights: Array
-    contact_preloads: Array
+    suspension_free_heights: Array
+    joint_pulls: Array
     end_pulls: Array
     weight: float
     reaction: float
     iterations: int
     residual: float
 
+    @cached_property
+    def wires(self) -> tuple[WireShape, ...]:
+        """All wires, in the order of ``wire_names``."""
+        r = self.position.reshape(-1, 2, 3)
+        counts = np.bincount(self.node_wire, minlength=len(self.wire_names))
+        elements = np.split(self.cable_lengths, np.cumsum(counts - 1)[:-1])
+        found = []
+        for number, (name, role) in enumerate(zip(self.wire_names, self.wire_roles, strict=True)):
+            own = np.flatnonzero(self.node_wire == number)
+            place, slope = r[own, 0], r[own, 1]
+            found.append(
+                WireShape(name, role, own, self.node_s[own], place, slope, elements[number])
+            )
+        return tuple(found)
+
+    def wire(self, name: str) -> WireShape:
+        """Return the wire of a name.
+
+        Raises
+        ------
+        KeyError
+            When the line has no such wire.
+        """
+        return self.wires[self.wire_names.index(name)] if name in self.wire_names else _no(name)
+
+    def of_role(self, role: str) -> tuple[WireShape, ...]:
+        """Return the wires with a role."""
+        return tuple(wire for wire in self.wires if wire.role == role)
+
+    @property
+    def contact(self) -> WireShape:
+        """The first contact wire."""
+        return self.of_role("contact")[0]
+
     @property
     def contact_position(self) -> Array:
-        """Coordinates of the contact wire, ``(n_station, 3)`` [m]."""
-        return self.position.reshape(-1, 2, 2, 3)[:, 0, 0]
+        """Coordinates of the first contact wire, ``(n, 3)`` [m]."""
+        return self.contact.position
 
     @property
     def messenger_position(self) -> Array:
-        """Coordinates of the messenger wire, ``(n_station, 3)`` [m]."""
-        return self.position.reshape(-1, 2, 2, 3)[:, 1, 0]
+        """Coordinates of the first messenger wire, ``(n, 3)``; empty without one [m]."""
+        found = self.of_role("messenger")
+        return found[0].position if found else np.empty((0, 3))
+
+
+def _no(name: str) -> WireShape:
+    raise KeyError(f"the line has no wire named {name!r}")
 
 
 @dataclass(frozen=True, eq=False)

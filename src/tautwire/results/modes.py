@@ -26,6 +26,24 @@ VERTICAL = SHARES.index("contact z")
 
 
 @dataclass(frozen=True, eq=False)
+class ModeWire:
+    """The shapes of one wire in some modes.
+
+    Attributes
+    ----------
+    name : str
+    s : (n_node,) m
+        Place of its nodes along the track.
+    displacements : (n_mode, n_node, 3)
+        Components x, y, z.
+    """
+
+    name: str
+    s: Array
+    displacements: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Modes:
     """Some modes of a line, by increasing frequency; undamped, all droppers taut.
 
@@ -33,16 +51,15 @@ class Modes:
     ----------
     case_name, case_hash : str
     frequencies : (n_mode,) Hz
-    station_x : (n_station,) m
-    displacements : (n_mode, n_station, 2, 3)
-        Mode shapes of contact wire (0) and messenger wire (1) at the stations, components x, y, z;
-        scaled to ``phi' M phi = 1 kg m2``.
+    wires : tuple of ModeWire
+        Mode shapes of all wires, scaled to ``phi' M phi = 1 kg m2``.
     x : (n_point,) m
         Evenly spaced points of the contact wire.
     contact_z : (n_mode, n_point)
         Vertical mode shape of the contact wire at these points.
     shares : (n_mode, 6)
-        Shares of the kinetic energy by wire and direction, see :data:`SHARES`.
+        Shares of the kinetic energy by wire and direction, see :data:`SHARES`; all wires that are
+        not contact wires count as messenger.
     wavelengths : (n_mode,) m
         Sensitive wavelength: that of the highest peak of the spectrum of `contact_z`.
     residuals : (n_mode,)
@@ -57,8 +74,7 @@ class Modes:
     case_name: str
     case_hash: str
     frequencies: Array
-    station_x: Array
-    displacements: Array
+    wires: tuple[ModeWire, ...]
     x: Array
     contact_z: Array
     shares: Array
@@ -94,8 +110,7 @@ class Modes:
             self.case_name,
             self.case_hash,
             self.frequencies[kept],
-            self.station_x,
-            self.displacements[kept],
+            tuple(ModeWire(w.name, w.s, w.displacements[kept]) for w in self.wires),
             self.x,
             self.contact_z[kept],
             self.shares[kept],
@@ -136,12 +151,18 @@ class Modes:
         return csv_text(head, [[f"{value:.8g}" for value in row.values()] for row in self.rows()])
 
     def shapes_csv(self) -> str:
-        """Return the vertical mode shape of both wires at the stations as CSV."""
+        """Return the vertical mode shape of all wires at their nodes as CSV.
+
+        A wire without a node at a place has no value there.
+        """
         head = ["position [m]"]
-        columns = [self.station_x]
+        s = np.unique(np.concatenate([wire.s for wire in self.wires]))
+        columns = [s]
         for number, frequency in enumerate(self.frequencies):
-            for wire, name in enumerate(("contact", "messenger")):
-                head.append(f"{name} z, {frequency:.4f} Hz [1]")
-                columns.append(self.displacements[number, :, wire, 2])
+            for wire in self.wires:
+                head.append(f"{wire.name} z, {frequency:.4f} Hz [1]")
+                column = np.full(len(s), np.nan)
+                column[np.searchsorted(s, wire.s)] = wire.displacements[number, :, 2]
+                columns.append(column)
         rows = zip(*columns, strict=True)
-        return csv_text(head, ([f"{value:.6g}" for value in row] for row in rows))
+        return csv_text(head, [["" if np.isnan(v) else f"{v:.6g}" for v in row] for row in rows])

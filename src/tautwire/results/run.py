@@ -76,19 +76,27 @@ class PantographRecord:
 
 @dataclass(frozen=True, eq=False)
 class Snapshots:
-    """Coarse shapes of both wires during the passage (for the animation).
+    """Coarse shapes of all wires during the passage (for the animation).
 
     Attributes
     ----------
     time : (n_frame,) s
     x : (n_point,) m
-    contact_z, messenger_z : (n_frame, n_point) m
+        Places along the track, wire by wire.
+    wire : (n_point,)
+        Number of the wire of each point, in the order of ``Equilibrium.wire_names``.
+    z : (n_frame, n_point) m
     """
 
     time: Array
     x: Array
-    contact_z: NDArray[np.float32]
-    messenger_z: NDArray[np.float32]
+    wire: NDArray[np.int64]
+    z: NDArray[np.float32]
+
+    def of(self, wire: int) -> tuple[Array, NDArray[np.float32]]:
+        """Return the points ``(n,)`` and the heights ``(n_frame, n)`` of one wire."""
+        own = self.wire == wire
+        return self.x[own], self.z[:, own]
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,9 +183,3 @@ class Run:
         record = self.pantograph(name)
         on = record.active
         return ForceRecord(self.time[on], record.position[on], record.contact_force[on])
-
-    def save(self, path: str) -> None:
-        """Write the run to a netCDF-4 file (see :mod:`tautwire.results.storage`)."""
-        from tautwire.results.storage import save_run
-
-        save_run(self, path)

@@ -14,7 +14,7 @@ from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.model.mesh import CONTACT, MESSENGER
+from tautwire.model.mesh import Strand
 from tautwire.model.passage import Passage, plan_passage
 from tautwire.numerics.events.crossings import Crossing
 from tautwire.numerics.events.refinement import AdaptiveStep
@@ -135,11 +135,13 @@ class Simulation:
                 wave_stiffening(system, self.integrator) if self.stepping.corrects_waves else None
             ),
         )
-        observed = 6 * (2 * model.mesh.support_station + CONTACT) + 2
+        supports = model.mesh.nodes(at for _, at in model.line.contact_supports)
+        observed = 6 * supports + 2
         self.stepper: Stepper = make_stepper(
             system, self.passage.pantographs, options, observed, choices.backend or settings.backend
         )
-        self.step_count = int(np.ceil(self.passage.duration / self.stepping.time_step - 1e-9))
+        whole = np.ceil(self.passage.duration / self.stepping.time_step - 1e-9)
+        self.step_count = int(min(whole, self.passage.latest // self.stepping.time_step))
 
     def blocks(self) -> Iterator[Block]:
         """Advance to the end of the passage, block by block; the last block tells the status."""
@@ -362,26 +364,25 @@ def _records(
 
 
 def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
-    """Thin the shapes at the block ends: supports, droppers, middles; or every station."""
+    """Thin the shapes at the block ends: attachments and middles between them; or every node."""
     model = simulation.model
-    mesh = model.mesh
-    if model.case.settings.store_shapes:
-        stations = np.arange(mesh.station_count)
-    else:
-        fixed = np.concatenate([mesh.support_station, mesh.dropper_station])
-        fixed.sort()
-        stations = np.sort(np.concatenate([fixed, (fixed[:-1] + fixed[1:]) // 2]))
-        stations = np.unique(stations)
-    start = simulation.shape.position
-    states = [start] + [b.coordinates for b in blocks]
-    dofs = [6 * (2 * stations + wire) + 2 for wire in (CONTACT, MESSENGER)]
-    contact, messenger = (np.array([q[d] for q in states], dtype=np.float32) for d in dofs)
+    every = model.case.settings.store_shapes
+    kept = [np.arange(len(s.s)) if every else _coarse(model, s) for s in model.mesh.strands]
+    nodes = [strand.nodes[own] for strand, own in zip(model.mesh.strands, kept, strict=True)]
+    dofs = 6 * np.concatenate(nodes) + 2
+    states = [simulation.shape.position] + [b.coordinates for b in blocks]
     return Snapshots(
         time=np.array([0.0] + [b.progress.time for b in blocks]),
-        x=mesh.x[stations],
-        contact_z=contact,
-        messenger_z=messenger,
+        x=model.mesh.s[np.concatenate(nodes)],
+        wire=np.repeat(np.arange(len(nodes)), [len(own) for own in nodes]),
+        z=np.array([q[dofs] for q in states], dtype=np.float32),
     )
+
+
+def _coarse(model: Model, strand: Strand) -> NDArray[np.int64]:
+    """Return which nodes of a strand are attachments or lie midway between two."""
+    points = np.array([strand.position(s) for s in model.line.points(strand.run.name)])
+    return np.unique(np.concatenate([points, (points[:-1] + points[1:]) // 2]))
 
 
 def _counters(simulation: Simulation, time: Array, spent: tuple[float, float]) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
+from tautwire.line.measures import droppers_of_spans
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.model.mesh import CONTACT
 from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -50,7 +50,7 @@ def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) 
     force = model.case.settings.elasticity_force if force is None else force
     solver = _solver(model, shape)
     points = _points(model)
-    values = [_flexibility(model, shape, solver, p, force) for p in points]
+    values = [_flexibility(shape, solver, p, force) for p in points]
     return Elasticity(
         force=force,
         span=np.array([p.span for p in points]),
@@ -79,33 +79,29 @@ class _Point:
 def _points(model: Model) -> list[_Point]:
     """Return the points of the analysed section from left to right."""
     first, last = model.case.resolved_section()
-    mesh = model.mesh
+    masts, droppers = model.line.masts, droppers_of_spans(model.line)
     points = []
     for span in range(first, last + 1):
-        left, right = mesh.support_x[span - 1], mesh.support_x[span]
-        droppers = mesh.dropper_x[mesh.dropper_span == span]
-        ends = np.concatenate([[left], droppers, [right]])
+        left, right = masts[span - 1], masts[span]
+        ends = np.concatenate([[left], left + np.array(droppers[span - 1]), [right]])
         points.append(_Point(span, "support", 0, float(left)))
         for number, x in enumerate(ends[:-1]):
             if number:
                 points.append(_Point(span, "dropper", number, float(x)))
             middle = 0.5 * (x + ends[number + 1])
             points.append(_Point(span, "middle", number, float(middle)))
-    points.append(_Point(last + 1, "support", 0, float(mesh.support_x[last])))
+    points.append(_Point(last + 1, "support", 0, float(masts[last])))
     held = {1, model.case.line.spans + 1}
     return [p for p in points if not (p.kind == "support" and p.span in held)]
 
 
-def _flexibility(
-    model: Model, shape: Equilibrium, solver: StaticSolver, point: _Point, force: float
-) -> float:
+def _flexibility(shape: Equilibrium, solver: StaticSolver, point: _Point, force: float) -> float:
     """Return uplift per force at one point [m/N]."""
-    mesh = model.mesh
-    element = min(int(np.searchsorted(mesh.x, point.x, side="right")) - 1, len(mesh.x) - 2)
-    xi = (point.x - mesh.x[element]) / (mesh.x[element + 1] - mesh.x[element])
-    row = position_row(xi, shape.cable_lengths[element])
-    left = 6 * (2 * element + CONTACT)
-    dofs = np.array([left, left + 3, left + 12, left + 15]) + 2
+    wire = shape.contact
+    element = wire.element(np.array(point.x))
+    xi = (point.x - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
+    row = position_row(xi, wire.lengths[element])
+    dofs = wire.dofs(element, 2)
     load = np.zeros(len(shape.position))
     load[dofs] = force * row
     response = solver.solve(load)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,12 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
-from tautwire.model.build import Model, arm_half_weight
-from tautwire.model.mesh import CONTACT, MESSENGER
+from tautwire.line.closures import Held
+from tautwire.line.labels import place
+from tautwire.line.pieces import GivenHeight, GivenLength
+from tautwire.model.build import Model
+from tautwire.model.mesh import Mesh
+from tautwire.model.registrations import held_registrations
 from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.status import Status
@@ -53,17 +57,17 @@ def find_shape(model: Model) -> Equilibrium:
 
 
 def _solve(model: Model) -> tuple[Form, int]:
-    """Run the shape finding that the dropper mode asks for."""
-    droppers = model.case.droppers
+    """Find the shape with the heights and lengths that are given."""
+    given = [h.given for h in model.line.hangers if isinstance(h.given, GivenLength)]
     problem, spent = model.form, 0
-    if droppers.mode == "height":
+    if not given:
         form = _converged(problem)
         spent = form.newton.iterations
         _refuse_pushing_droppers(model, _dropper_forces(form))
         if not np.any(model.irregularities.dropper_length):
             return form, spent
         problem = _with_length_errors(model, form)
-    elif droppers.length_kind == "stretched":
+    elif any(length.is_stretched for length in given):
         problem, spent = _with_unstrained_lengths(problem)
     for _ in range(_ACTIVE_SET_PASSES):
         form = _converged(problem)
@@ -71,6 +75,9 @@ def _solve(model: Model) -> tuple[Form, int]:
         ties = form.system.ties
         taut = ties.state(form.system.position).length > ties.length
         if np.array_equal(taut, problem.taut):
+            _refuse_pushing_droppers(
+                model, np.where(problem.tie_slot < 0, 0.0, _dropper_forces(form))
+            )
             return form, spent
         problem = replace(problem, taut=taut, system=_restart(problem, form))
     raise ConvergenceError(
@@ -100,6 +107,7 @@ def _with_unstrained_lengths(problem: FormProblem) -> tuple[FormProblem, int]:
     unstrained = np.where(
         np.isnan(ties.axial), length - force / ties.stiffness, length / (1.0 + force / ties.axial)
     )
+    unstrained = np.where(problem.tie_slot < 0, unstrained, form.system.ties.length)
     system = problem.system.with_(
         position=form.system.position, cables=form.system.cables, ties=ties.of_length(unstrained)
     )
@@ -133,15 +141,16 @@ def _dropper_forces(form: Form) -> Array:
 
 def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
     """Raise when a prescribed height asks a dropper to push."""
-    mesh = model.mesh
-    drops, errors = _presags(model), 1e3 * model.irregularities.dropper_height
-    faults = [
-        f"dropper {mesh.dropper_number[i]} of span {mesh.dropper_span[i]}, "
-        f"x = {mesh.dropper_x[i]:.2f} m, would have to push ({forces[i]:.1f} N); "
-        f"raise the contact wire there (droppers.presag, now {1e3 * drops[i]:.1f} mm; "
-        "a few millimetres less are usually enough) or use length mode"
-        for i in np.flatnonzero(forces < 0.0)
-    ]
+    errors = 1e3 * model.irregularities.dropper_height
+    faults = []
+    for i in np.flatnonzero(forces < 0.0):
+        hanger = model.line.hangers[i]
+        if isinstance(hanger.given, GivenHeight):
+            faults.append(
+                f"{place(hanger.label, hanger.lower.s)}, would have to push ({forces[i]:.1f} N); "
+                f"raise the contact wire there (droppers.presag, now {1e3 * hanger.given.drop:.1f} "
+                "mm; a few millimetres less are usually enough) or use length mode"
+            )
     if errors.any():
         faults = [
             f"{fault}; the drawn errors of height are {errors.min():.1f} to {errors.max():.1f} mm: "
@@ -153,107 +162,109 @@ def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
         raise ModelError("\n".join(faults))
 
 
-def _presags(model: Model) -> list[float]:
-    values = model.case.droppers.presag_by_span(model.case.line.spans)
-    return [v for span in values for v in span]
-
-
-@dataclass(frozen=True)
-class _ArmData:
-    supports: NDArray[np.int64]
-    forces: Array
-    angles: Array
-    ends: Array
-
-
 def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     """Read lengths, forces and support data from a found form."""
-    mesh, system = model.mesh, form.system
-    reactions = form.reactions.reshape(-1, 2, 6)
-    nodes = system.position.reshape(-1, 2, 2, 3)
-    state = system.ties.state(system.position)
-    forces = np.where(model.form.taut, _dropper_forces(form), 0.0)
-    arms = _arm_data(model, form)
-    inner = mesh.support_station[1:-1]
-    spec = model.case.supports
-    lift = reactions[inner, MESSENGER, 2]
-    preloads = np.zeros(len(inner))
-    if spec.closure == "spring":
-        preloads = reactions[inner, CONTACT, 2]
-    wires = (model.case.wires.contact, model.case.wires.messenger)
+    mesh, line, system = model.mesh, model.line, form.system
+    held = held_registrations(line, mesh, system.position, form.reactions, model.case.line.gravity)
+    _refuse_bad_arms(model, held)
     return Equilibrium(
         position=system.position,
         cable_lengths=system.cables.length,
-        station_x=mesh.x,
-        dropper_span=mesh.dropper_span,
-        dropper_number=mesh.dropper_number,
-        dropper_x=mesh.dropper_x,
-        dropper_lengths_unstrained=system.ties.length,
-        dropper_lengths=state.length,
-        dropper_forces=np.maximum(forces, 0.0),
-        dropper_heights=nodes[mesh.dropper_station, CONTACT, 0, 2],
-        support_x=mesh.support_x,
-        support_heights=nodes[mesh.support_station, CONTACT, 0, 2],
-        arm_supports=arms.supports,
-        arm_forces=arms.forces,
-        arm_angles=arms.angles,
-        arm_ends=arms.ends,
-        messenger_free_heights=nodes[inner, MESSENGER, 0, 2] + lift / spec.messenger_stiffness,
-        contact_preloads=preloads,
-        end_pulls=np.array([reactions[0, :, 0], [w.tension for w in wires]]),
+        **_wires(mesh),
+        **_droppers(model, form),
+        **_supports(model, form, held),
+        suspension_free_heights=_free_heights(model, form),
+        joint_pulls=np.zeros((len(line.joints), 3)),
+        end_pulls=_end_pulls(mesh, form),
         weight=_weight(model, form),
-        reaction=_vertical_reaction(model, form, arms),
+        reaction=_vertical_reaction(model, form, held),
         iterations=iterations,
         residual=form.newton.residual,
     )
 
 
-def _arm_data(model: Model, form: Form) -> _ArmData:
-    """Place the far ends of the steady arms (or read the forces of given ones) and check them."""
-    spec, mesh = model.case.supports, model.mesh
-    if spec.closure == "spring":
-        return _ArmData(np.empty(0, np.int64), np.empty(0), np.empty(0), np.empty((0, 3)))
-    inner = mesh.support_station[1:-1]
-    wire = form.system.position.reshape(-1, 2, 2, 3)[inner, CONTACT, 0]
-    if spec.closure == "arm":
-        ends = form.system.stays.end
-        offset = ends - wire
-        length = np.linalg.norm(offset, axis=1)
-        force = form.system.stays.axial_force(length)
-    else:
-        pull = _arm_pull(model, form)
-        force = np.linalg.norm(pull, axis=1)
-        length = spec.arm.length * (1.0 + force / spec.arm.axial_stiffness)
-        offset = pull * (length / np.where(force > 0.0, force, 1.0))[:, None]
-        ends = wire + offset
-    _refuse_bad_arms(model, force, np.abs(force * offset[:, 1] / spec.arm.length))
-    angle = np.arctan2(offset[:, 2], np.abs(offset[:, 1]))
-    return _ArmData(np.arange(2, len(inner) + 2), force, angle, ends)
+def _wires(mesh: Mesh) -> dict[str, Any]:
+    """Return which node belongs to which wire."""
+    wire = np.empty(mesh.node_count, dtype=np.int64)
+    for number, strand in enumerate(mesh.strands):
+        wire[strand.nodes] = number
+    return {
+        "node_s": mesh.s,
+        "node_wire": wire,
+        "wire_names": tuple(strand.run.name for strand in mesh.strands),
+        "wire_roles": tuple(strand.run.role for strand in mesh.strands),
+    }
 
 
-def _arm_pull(model: Model, form: Form) -> Array:
-    """Return the axial force of each arm on the wire, ``(n_arm, 3)`` [N]."""
-    inner = model.mesh.support_station[1:-1]
-    pull = form.reactions.reshape(-1, 2, 6)[inner, CONTACT, :3].copy()
-    pull[:, 0] = 0.0
-    if model.case.supports.closure == "lift":
-        pull[:, 2] = model.case.supports.lift
-    pull[:, 2] += arm_half_weight(model.case)
-    return pull
+def _droppers(model: Model, form: Form) -> dict[str, Any]:
+    """Return where the droppers hang, their lengths and forces."""
+    hangers, ties, position = model.line.hangers, form.system.ties, form.system.position
+    number = {strand.run.name: i for i, strand in enumerate(model.mesh.strands)}
+    wires = [(number[h.upper.run], number[h.lower.run]) for h in hangers]
+    return {
+        "dropper_span": np.array([h.label.span for h in hangers], dtype=np.int64),
+        "dropper_number": np.array([h.label.number for h in hangers], dtype=np.int64),
+        "dropper_wires": np.array(wires, dtype=np.int64).reshape(-1, 2),
+        "dropper_x": np.array([h.lower.s for h in hangers]),
+        "dropper_lengths_unstrained": ties.length,
+        "dropper_lengths": ties.state(position).length,
+        "dropper_forces": np.maximum(_dropper_forces(form), 0.0),
+        "dropper_heights": position[6 * ties.nodes[:, 1] + 2],
+    }
 
 
-def _refuse_bad_arms(model: Model, force: Array, lateral: Array) -> None:
+def _supports(model: Model, form: Form, held: Held) -> dict[str, Any]:
+    """Return where contact wires are held, and by which arms and springs."""
+    mesh, places = model.mesh, model.line.contact_supports
+    number = {strand.run.name: i for i, strand in enumerate(mesh.strands)}
+    rows = np.array(model.line.registration_rows, dtype=np.int64)
+    preloads = np.zeros(len(places))
+    preloads[rows] = held.preload
+    arms = np.flatnonzero(~np.isnan(held.force))
+    nodes = mesh.nodes(at for _, at in places)
+    return {
+        "support_number": np.array([label.number for label, _ in places], dtype=np.int64),
+        "support_wire": np.array([number[at.run] for _, at in places], dtype=np.int64),
+        "support_x": np.array([at.s for _, at in places]),
+        "support_heights": form.system.position[6 * nodes + 2],
+        "contact_preloads": preloads,
+        "arm_supports": rows[arms] + 1,
+        "arm_forces": held.force[arms],
+        "arm_angles": held.angle[arms],
+        "arm_ends": held.end[arms],
+    }
+
+
+def _free_heights(model: Model, form: Form) -> Array:
+    """Return the heights at which the springs of the suspensions are slack [m]."""
+    pieces = model.line.suspensions
+    dofs = 6 * model.mesh.nodes(piece.at for piece in pieces) + 2
+    stiffness = np.array([piece.stiffness for piece in pieces])
+    return form.system.position[dofs] + form.reactions[dofs] / stiffness
+
+
+def _end_pulls(mesh: Mesh, form: Form) -> Array:
+    """Return the forces along the track on the ends of all wires, ``(2, n_wire)`` [N]."""
+    starts = np.array([6 * strand.nodes[0] for strand in mesh.strands])
+    tensions = [strand.run.wire.tension for strand in mesh.strands]
+    return np.array([form.reactions[starts], tensions])
+
+
+def _refuse_bad_arms(model: Model, held: Held) -> None:
     """Raise when a steady arm would push or has nothing to hold."""
-    mesh = model.mesh
     faults = []
-    for i in np.flatnonzero((force <= 0.0) | (lateral < _SMALLEST_PULL)):
+    for i in np.flatnonzero(~np.isnan(held.force)):
+        piece, force = model.line.registrations[i], float(held.force[i])
+        lateral = abs(force * np.cos(held.angle[i]))
+        if force > 0.0 and lateral >= _SMALLEST_PULL:
+            continue
         what = (
-            f"would have to push ({force[i]:.1f} N)"
-            if force[i] < 0.0
-            else f"pulls sideways with only {lateral[i]:.1f} N"
+            f"would have to push ({force:.1f} N)"
+            if force < 0.0
+            else f"pulls sideways with only {lateral:.1f} N"
         )
         faults.append(
-            f"the steady arm at support {i + 2}, x = {mesh.support_x[i + 1]:.2f} m, {what}; "
+            f"the steady arm at {place(piece.label, piece.at.s)}, {what}; "
             "give the contact wire more stagger there (supports.contact_stagger), put the arm's "
             "far end on the other side, or use closure 'spring'"
         )
@@ -263,21 +274,22 @@ def _refuse_bad_arms(model: Model, force: Array, lateral: Array) -> None:
 
 def _weight(model: Model, form: Form) -> float:
     """Return the weight of everything that hangs on the supports [N]."""
-    case, system = model.case, form.system
-    weight = float(system.cables.mass @ system.cables.length) + float(system.node_mass.sum())
-    weight += case.droppers.mass * float(system.ties.length.sum())
-    total = weight * case.line.gravity
-    if case.supports.closure != "spring":
-        total += 2.0 * arm_half_weight(case) * (len(model.mesh.support_station) - 2)
-    return total
+    cables, ties, gravity = form.system.cables, form.system.ties, model.case.line.gravity
+    mass = float(cables.mass @ cables.length) + float(form.system.node_mass.sum())
+    mass += float(ties.mass @ ties.length)
+    carried = [piece.kind.carried_weight(gravity) for piece in model.line.registrations]
+    return mass * gravity + sum(carried)
 
 
-def _vertical_reaction(model: Model, form: Form, arms: _ArmData) -> float:
+def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     """Return the sum of the vertical forces from anchors, springs and far ends of the arms [N]."""
-    reactions = form.reactions.reshape(-1, 2, 6)[:, :, 2]
-    inner = model.mesh.support_station[1:-1]
-    total = float(reactions[[0, -1]].sum()) + float(reactions[inner, MESSENGER].sum())
-    if model.case.supports.closure == "spring":
-        return total + float(reactions[inner, CONTACT].sum())
-    pull = float((arms.forces * np.sin(arms.angles)).sum())
-    return total + pull + arm_half_weight(model.case) * len(inner)
+    mesh, line, gravity = model.mesh, model.line, model.case.line.gravity
+    upward = form.reactions[2::6]
+    ends = [s.nodes[[0, -1]] for s in mesh.strands if s.run.start.kind != "clamped"]
+    total = float(upward[np.concatenate(ends)].sum())
+    total += float(upward[mesh.nodes(piece.at for piece in line.suspensions)].sum())
+    total += float(np.nansum(held.preload))
+    arms = ~np.isnan(held.force)
+    total += float((held.force[arms] * np.sin(held.angle[arms])).sum())
+    weights = np.array([piece.kind.carried_weight(gravity) for piece in line.registrations])
+    return total + 0.5 * float(weights.sum())

@@ -28,14 +28,14 @@ class EvenPoints:
     Attributes
     ----------
     x : (n_point,) m
-    element : (n_point,)
-        Wire element (0-based) each point lies in.
+    nodes : (n_point, 2)
+        Nodes at the ends of the wire element that each point lies in.
     rows : (n_point, 4)
         Hermite row of each point: ``z = row @ (z1, z1', z2, z2')``.
     """
 
     x: Array
-    element: NDArray[np.int64]
+    nodes: NDArray[np.int64]
     rows: Array
 
     @property
@@ -57,9 +57,8 @@ class EvenPoints:
         -------
         (..., n_point)
         """
-        stations = vectors.shape[-1] // 12
-        nodes = vectors.reshape(*vectors.shape[:-1], stations, 2, 2, 3)[..., 0, :, direction]
-        left, right = nodes[..., self.element, :], nodes[..., self.element + 1, :]
+        nodes = vectors.reshape(*vectors.shape[:-1], vectors.shape[-1] // 6, 2, 3)[..., direction]
+        left, right = nodes[..., self.nodes[:, 0], :], nodes[..., self.nodes[:, 1], :]
         ends = np.concatenate([left, right], axis=-1)
         return np.einsum("...pi,pi->...p", ends, self.rows)
 
@@ -83,18 +82,18 @@ def even_points(
     -------
     EvenPoints
     """
-    stations = shape.station_x
-    start = float(stations[0]) if start is None else start
-    end = float(stations[-1]) if end is None else end
+    wire = shape.contact
+    start = float(wire.s[0]) if start is None else start
+    end = float(wire.s[-1]) if end is None else end
     if not count:
-        shortest = float(np.diff(stations).min())
+        shortest = float(np.diff(wire.s).min())
         count = max(8, int(np.ceil((end - start) / shortest * POINTS_PER_ELEMENT)))
     x = np.linspace(start, end, count, endpoint=False)
-    element = np.clip(np.searchsorted(stations, x, side="right") - 1, 0, len(stations) - 2)
-    lengths = shape.cable_lengths[element]
-    nodes = shape.position.reshape(-1, 2, 2, 3)[:, 0, :, 0]
-    ends = np.concatenate([nodes[element], nodes[element + 1]], axis=1)
-    return EvenPoints(x, element, position_row(local_coordinate(ends, lengths, x), lengths))
+    element = wire.element(x)
+    lengths = wire.lengths[element]
+    xi = local_coordinate(shape.position[wire.dofs(element, 0)], lengths, x)
+    nodes = np.stack([wire.nodes[element], wire.nodes[element + 1]], axis=1)
+    return EvenPoints(x, nodes, position_row(xi, lengths))
 
 
 def wavenumber_spectrum(

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.contact_wire import EvenPoints, even_points, wavenumber_spectrum
 from tautwire.errors import ConvergenceError, InputError
+from tautwire.line.expand import expand
+from tautwire.line.measures import contact_mass
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.vibration.eigen import Pairs, Vibration
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.modes import Modes
+from tautwire.results.modes import Modes, ModeWire
 from tautwire.signals.spectra import Spectrum
 from tautwire.specs.case import Case
 
@@ -152,7 +154,7 @@ def modes_sensitive_to(
     InputError
         When the mesh cannot show the wavelength.
     """
-    finest = 2.0 * float(np.diff(shape.station_x).max())
+    finest = 2.0 * float(np.diff(shape.contact.s).max())
     if not finest <= wavelength < math.inf:
         raise InputError(
             f"wavelength: got {wavelength:g} m; elements of up to {0.5 * finest:.3g} m show "
@@ -210,13 +212,9 @@ def free_wire_frequency(case: Case, wavelength: float) -> float:
     wavelength
         [m]
     """
-    wire = case.wires.contact
-    first, last = case.resolved_section()
-    spans = case.line.span_lengths()
-    droppers = case.droppers.positions_by_span(len(spans))
-    number = sum(len(row) for row in droppers[first - 1 : last])
-    length = sum(spans[first - 1 : last])
-    mass = wire.mass + number * case.droppers.clamp_contact / length
+    line = expand(case)
+    wire = line.of_role("contact")[0].wire
+    mass = contact_mass(line, *case.resolved_section())
     k = 2.0 * math.pi / wavelength
     omega = math.sqrt((wire.tension * k**2 + wire.bending_stiffness * k**4) / mass)
     return omega / (2.0 * math.pi)
@@ -285,17 +283,17 @@ def _slice(vibration: Vibration, low: float, high: float, number: int) -> Pairs:
 def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs) -> Modes:
     """Describe found modes: shapes, energy shares, wavelengths, checks."""
     points = even_points(shape)
-    nodes = pairs.vectors.reshape(len(pairs.values), vibration.size // 12, 2, 2, 3)
+    nodes = pairs.vectors.reshape(len(pairs.values), vibration.size // 6, 2, 3)
+    contact = [number for number, role in enumerate(shape.wire_roles) if role == "contact"]
     group = np.tile(np.arange(3), vibration.size // 3)
-    group += 3 * (np.arange(vibration.size) // 6 % 2)
+    group += 3 * np.repeat(~np.isin(shape.node_wire, contact), 6)
     contact_z = points.values(pairs.vectors)
     omega = np.sqrt(np.maximum(pairs.values, 0.0))
     return Modes(
         case_name=model.case.name,
         case_hash=model.case.hash(),
         frequencies=omega / (2.0 * math.pi),
-        station_x=shape.station_x,
-        displacements=nodes[:, :, :, 0],
+        wires=tuple(ModeWire(wire.name, wire.s, nodes[:, wire.nodes, 0]) for wire in shape.wires),
         x=points.x,
         contact_z=contact_z,
         shares=vibration.energy_shares(pairs.vectors, group),

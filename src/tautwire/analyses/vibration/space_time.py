@@ -12,8 +12,6 @@ from tautwire.results.run import Run
 
 Array = NDArray[np.float64]
 
-WIRES = ("contact", "messenger")
-
 
 @dataclass(frozen=True, eq=False)
 class SpaceTime:
@@ -45,7 +43,8 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
     ----------
     run
         A run of a case with ``settings.store_shapes: true``.
-    wire : {"contact", "messenger"}
+    wire
+        Its name.
 
     Returns
     -------
@@ -56,15 +55,16 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
     InputError
         When the run holds too few shapes, or the wire is unknown.
     """
-    if wire not in WIRES:
-        raise InputError(f"wire: got {wire!r}; choose one of {', '.join(WIRES)}")
+    names = run.equilibrium.wire_names
+    if wire not in names:
+        raise InputError(f"wire: got {wire!r}; choose one of {', '.join(names)}")
     shots = run.snapshots
     if not run.case.settings.store_shapes or len(shots.time) < 3:
         raise InputError(
             "the shapes of the wires were not stored; run the case with settings.store_shapes: true"
         )
-    heights = (shots.contact_z if wire == "contact" else shots.messenger_z).astype(np.float64)
-    velocity = np.gradient(heights, shots.time, axis=0)
+    x, heights = shots.of(names.index(wire))
+    velocity = np.gradient(heights.astype(np.float64), shots.time, axis=0)
     paths = {
         record.name: np.where(
             np.interp(shots.time, run.time, record.active) > 0.5,
@@ -73,4 +73,4 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
         )
         for record in run.pantographs
     }
-    return SpaceTime(shots.time, shots.x, velocity, paths)
+    return SpaceTime(shots.time, x, velocity, paths)

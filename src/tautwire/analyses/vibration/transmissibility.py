@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from tautwire.errors import InputError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.model.mesh import CONTACT
 from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.vibration.harmonic import HarmonicLine
 from tautwire.results.equilibrium import Equilibrium
@@ -182,7 +181,7 @@ def receptance(
     places = np.asarray(_middle_span(model) if positions is None else positions, dtype=float)
     given = _octaves(highest) if frequencies is None else frequencies
     lines = np.asarray(given, dtype=float)
-    x = shape.station_x
+    x = shape.contact.s
     if not places.size or places.min() <= x[0] or places.max() >= x[-1]:
         raise InputError(f"positions must lie between {x[0]:g} and {x[-1]:g} m")
     if not lines.size or not (np.isfinite(lines).all() and lines.min() > 0.0):
@@ -297,16 +296,15 @@ def _middle_span(model: Model) -> Array:
     """Return places evenly spread over the middle span of the section, supports avoided."""
     first, last = model.case.resolved_section()
     middle = (first + last) // 2
-    left, right = model.mesh.support_x[middle - 1 : middle + 1]
+    left, right = model.line.masts[middle - 1 : middle + 1]
     return left + (right - left) * (np.arange(PLACES) + 0.5) / PLACES
 
 
 def _unit_force(shape: Equilibrium, position: float) -> Array:
     """Return a vertical unit force on the contact wire as nodal loads, ``(n_dof,)``."""
-    x = shape.station_x
-    element = int(np.searchsorted(x, position, side="right")) - 1
-    xi = (position - x[element]) / (x[element + 1] - x[element])
+    wire = shape.contact
+    element = wire.element(np.array(position))
+    xi = (position - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
     load = np.zeros(len(shape.position))
-    left = 6 * (2 * element + CONTACT) + 2
-    load[[left, left + 3, left + 12, left + 15]] = position_row(xi, shape.cable_lengths[element])
+    load[wire.dofs(element, 2)] = position_row(xi, wire.lengths[element])
     return load

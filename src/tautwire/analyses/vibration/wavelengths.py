@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spectrum
 from tautwire.errors import InputError
+from tautwire.line.expand import expand
+from tautwire.line.measures import intervals
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.spectra import Spectrum, Window
 from tautwire.specs.case import Case
@@ -85,32 +86,25 @@ def line_lengths(case: Case) -> LineLengths:
     >>> line_lengths(load_case("ac-simple")).named(elements=False)["SD/4"]
     1.125
     """
-    first, last = case.resolved_section()
-    spans = case.line.span_lengths()
-    positions = case.droppers.positions_by_span(len(spans))
-    between: list[float] = []
-    beside: list[float] = []
-    for length, droppers in zip(spans[first - 1 : last], positions[first - 1 : last], strict=True):
-        between += [right - left for left, right in pairwise(droppers)]
-        beside += [droppers[0], length - droppers[-1]] if droppers else []
-    span = _commonest(list(spans[first - 1 : last]))
-    dropper, support = _commonest_or_none(between), _commonest_or_none(beside)
+    found = intervals(expand(case), *case.resolved_section())
+    span = _commonest(found.spans)
+    dropper, support = _commonest_or_none(found.between), _commonest_or_none(found.beside)
     divisions = case.settings.nodes_between_droppers - 1
-    intervals = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
+    repeated = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
     return LineLengths(
         span=span,
         dropper_interval=dropper,
         support_interval=support,
-        shortest=min([*between, *beside], default=span),
-        elements=tuple(value / divisions for value in intervals),
+        shortest=min([*found.between, *found.beside], default=span),
+        elements=tuple(value / divisions for value in repeated),
     )
 
 
-def _commonest_or_none(values: list[float]) -> float | None:
+def _commonest_or_none(values: tuple[float, ...]) -> float | None:
     return _commonest(values) if values else None
 
 
-def _commonest(values: list[float]) -> float:
+def _commonest(values: tuple[float, ...]) -> float:
     """Return the value met most often (to the centimetre), the largest of equals."""
     rounded = np.round(values, 2)
     found, number = np.unique(rounded, return_counts=True)

@@ -11,6 +11,7 @@ from tautwire.cli.about import program
 from tautwire.cli.session import REFUSED, Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.inputs.load import load_case
+from tautwire.line.expand import expand
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
@@ -33,6 +34,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
             "size": _size(case),
+            "taken_over": _taken_over(case),
         }
     )
     refused = [str(item) for item in advice if item.severity == "refused"]
@@ -43,17 +45,27 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
     answer.show(heading("Wave quantities"), _wave_table(quantities))
     answer.show(heading("Advice"), *_advice_view(advice))
+    for template, paths in _taken_over(case).items():
+        answer.show(heading(f"From {template}, not checked for your line"), ", ".join(paths))
+
+
+def _taken_over(case: Case) -> dict[str, list[str]]:
+    """Return the values taken over from a template, by its name."""
+    taken: dict[str, list[str]] = {}
+    for source in case.sources:
+        if source.template:
+            taken.setdefault(source.template, []).append(source.path)
+    return taken
 
 
 def _size(case: Case) -> dict[str, int]:
     """Return how large the computation will be."""
-    spans = case.line.span_lengths()
-    droppers = [len(row) for row in case.droppers.positions_by_span(len(spans))]
-    intervals = sum(droppers) + len(spans)
-    stations = intervals * (case.settings.nodes_between_droppers - 1) + 1
+    line = expand(case)
+    elements = case.settings.nodes_between_droppers - 1
+    nodes = sum((len(line.points(run.name)) - 1) * elements + 1 for run in line.runs)
     way = case.line.length() - 2.0 * case.settings.start
     steps = math.ceil(way / case.scenario.speed / case.settings.time_step)
-    return {"droppers": sum(droppers), "dof": 12 * stations, "steps": max(steps, 0)}
+    return {"droppers": len(line.hangers), "dof": 6 * nodes, "steps": max(steps, 0)}
 
 
 def _summary(case: Case) -> Any:

@@ -5,7 +5,7 @@ Nodes carry six coordinates each, ``x y z`` and the slopes ``x' y' z'``; only ca
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -37,6 +37,12 @@ class _Part:
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some arrays replaced."""
         return replace(self, **changes)
+
+    def joined(self, *others: Self) -> Self:
+        """Return these parts and some others as one group."""
+        names = [item.name for item in fields(self)]
+        groups = (self, *others)
+        return replace(self, **{n: np.concatenate([getattr(g, n) for g in groups]) for n in names})
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,12 +272,6 @@ class Grounds(_Part):
         return cls(
             np.empty(0, dtype=np.int64), np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty((0, 3))
         )
-
-    @classmethod
-    def joined(cls, *groups: Grounds) -> Grounds:
-        """Join several groups to one."""
-        names = ("node", "stiffness", "damping", "free")
-        return cls(*(np.concatenate([getattr(g, name) for g in groups]) for name in names))
 
     @cached_property
     def dofs(self) -> Index:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.report.figures import packing
 from tautwire.report.parts.views import ForceView, RunView
+from tautwire.results.equilibrium import WireShape
 from tautwire.results.run import Run, Snapshots
 
 CELLS = 900_000
@@ -61,6 +62,7 @@ def film(view: RunView, budget: Budget) -> dict[str, Any]:
         "title": view.label,
         "supports": shape.support_x.tolist(),
         "droppers": packing.floats(shape.dropper_x),
+        "dropperWires": shape.dropper_wires.ravel().tolist(),
         "slack": packing.counts(_slack(run, shots.time)),
         "section": list(view.section),
         "reference": float(np.mean(shape.support_heights)),
@@ -75,7 +77,8 @@ def film(view: RunView, budget: Budget) -> dict[str, Any]:
 def exaggeration(view: RunView, length: float) -> int:
     """Choose a factor with which the wires fill a good part of the picture."""
     shape = view.run.equilibrium
-    height = float(np.mean(shape.messenger_position[:, 2]) - np.mean(shape.support_heights))
+    highest = np.max([np.mean(wire.position[:, 2]) for wire in shape.wires])
+    height = float(highest - np.mean(shape.support_heights))
     wanted = 0.12 * length / max(height, 0.1)
     return int(np.clip(round(wanted), 2, 60))
 
@@ -90,37 +93,46 @@ def _coarse(run: Run) -> Snapshots:
     shots = run.snapshots
     rows = slice(None, None, max(1, -(-shots.time.size // FRAMES)))
     points = POINTS_PER_SPAN * run.case.line.spans
-    columns = slice(None, None, max(1, -(-shots.x.size // points)))
-    return Snapshots(
-        shots.time[rows],
-        shots.x[columns],
-        shots.contact_z[rows, columns],
-        shots.messenger_z[rows, columns],
-    )
+    columns = []
+    for number in range(len(run.equilibrium.wire_names)):
+        own = np.flatnonzero(shots.wire == number)
+        columns.append(own[:: max(1, -(-own.size // points))])
+    kept = np.concatenate(columns)
+    return Snapshots(shots.time[rows], shots.x[kept], shots.wire[kept], shots.z[rows][:, kept])
 
 
 def _frames(run: Run, shots: Snapshots, cells: int) -> dict[str, Any]:
-    """Pack the displacements of the wires from their static shape.
+    """Pack the displacements of the wires from their static shape, wire by wire."""
+    middle = _middle(run, shots.time)
+    wires = [
+        _wire(shots, number, wire, middle, cells)
+        for number, wire in enumerate(run.equilibrium.wires)
+    ]
+    return {"time": packing.floats(shots.time), "wires": wires}
 
-    A line too long to be stored whole is stored around the pantographs: as many points per frame
-    as fit, from the point `first` on; elsewhere the wires are drawn at rest.
+
+def _wire(
+    shots: Snapshots, number: int, wire: WireShape, middle: NDArray[np.float64], cells: int
+) -> dict[str, Any]:
+    """Pack the displacements of one wire.
+
+    A wire too long to be stored whole is stored around the pantographs: as many points per frame
+    as fit, from the point `first` on; elsewhere it is drawn at rest.
     """
-    frames, points = shots.contact_z.shape
-    count = int(min(points, max(cells // frames, 64)))
-    middle = np.searchsorted(shots.x, _middle(run, shots.time))
-    first = np.clip(middle - count // 2, 0, points - count)
+    x, heights = shots.of(number)
+    frames, points = heights.shape
+    own = 2 * cells * points // max(1, shots.x.size)
+    count = int(min(points, max(own // frames, 64)))
+    first = np.clip(np.searchsorted(x, middle) - count // 2, 0, points - count)
     window = first[:, None] + np.arange(count)
-    packed: dict[str, Any] = {}
-    for name, heights, wire in (
-        ("contact", shots.contact_z, run.equilibrium.contact_position),
-        ("messenger", shots.messenger_z, run.equilibrium.messenger_position),
-    ):
-        still = np.interp(shots.x, wire[:, 0], wire[:, 2])
-        moved = np.take_along_axis(heights - still, window, axis=1)
-        packed |= {name: packing.steps(moved), f"{name}Still": packing.floats(still)}
-    return packed | {
-        "time": packing.floats(shots.time),
-        "x": packing.floats(shots.x),
+    still = np.interp(x, wire.s, wire.position[:, 2])
+    moved = np.take_along_axis(heights - still, window, axis=1)
+    return {
+        "name": wire.name,
+        "role": wire.role,
+        "x": packing.floats(x),
+        "still": packing.floats(still),
+        "moved": packing.steps(moved),
         "first": packing.floats(first),
         "count": count,
     }

@@ -27,7 +27,7 @@ MAP_POINTS = 400
 
 
 def mode_figure(modes: Modes, number: int, support_x: Array) -> go.Figure:
-    """Draw the vertical shape of both wires in one mode, scaled to a largest value of 1.
+    """Draw the vertical shape of all wires in one mode, scaled to a largest value of 1.
 
     Parameters
     ----------
@@ -40,14 +40,11 @@ def mode_figure(modes: Modes, number: int, support_x: Array) -> go.Figure:
 
     figure = go.Figure(layout=style.layout(360, top=76))
     contact = modes.contact_z[number]
-    messenger = modes.displacements[number, :, 1, 2]
-    largest = max(float(np.abs(contact).max()), float(np.abs(messenger).max()), 1e-300)
-    curves = (
-        ("contact wire", modes.x, contact, 0.0),
-        ("messenger wire", modes.station_x, messenger, 2.4),
-    )
-    for at, (name, x, z, offset) in enumerate(curves):
-        kept = thinned(z)
+    others = [(f"{w.name} wire", w.s, w.displacements[number, :, 2]) for w in modes.wires[1:]]
+    curves = [("contact wire", modes.x, contact), *others]
+    largest = max(1e-300, *(float(np.abs(z).max()) for _, _, z in curves))
+    for at, (name, x, z) in enumerate(curves):
+        kept, offset = thinned(z), 2.4 * at
         look = style.look(at)
         figure.add_scatter(
             x=x[kept].astype(np.float32),

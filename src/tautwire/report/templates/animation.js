@@ -104,30 +104,34 @@
   };
 
   /* ---- the line --------------------------------------------------------------------- */
-  const shapeAt = (name) => {
-    const { film } = state, { time, x } = film.frames, n = x.length;
+  const shapeAt = ({ x, still, moved, first, count }) => {
+    const { time } = state.film.frames;
     const i = below(time, state.time), j = Math.min(i + 1, time.length - 1);
     const span = time[j] - time[i];
     const w = span > 0 ? Math.min(1, Math.max(0, (state.time - time[i]) / span)) : 0;
-    const { first, count } = film.frames, still = film.frames[`${name}Still`];
-    const moved = (frame, k) => {
+    const lift = (frame, k) => {
       const at = k - first[frame];
-      return at >= 0 && at < count ? film.frames[name][frame * count + at] : 0;
+      return at >= 0 && at < count ? moved[frame * count + at] : 0;
     };
-    return Float32Array.from(x, (_, k) => still[k] + moved(i, k) * (1 - w) + moved(j, k) * w);
+    return Array.from(x, (v, k) => [v, still[k] + lift(i, k) * (1 - w) + lift(j, k) * w]);
   };
   /* Between two stored shapes the wire at the pantograph is known exactly: bend it there. */
-  const contactShape = (pantographs) => {
-    const { x } = state.film.frames, z = shapeAt("contact");
-    const points = Array.from(x, (v, k) => [v, z[k]]);
-    const reach = 3;
+  const REACH = 3, NEAR = 0.3;
+  const bent = (points, pantographs) => {
+    const known = [];
     pantographs.forEach(({ at }) => {
-      const error = at.wire - sample(x, z, at.x);
-      points.forEach((p) => { p[1] += error * Math.max(0, 1 - Math.abs(p[0] - at.x) / reach); });
-      points.push([at.x, at.wire]);
+      if (at.x < points[0][0] || at.x > points[points.length - 1][0]) return;
+      const error = at.wire - heightOn(points, at.x);
+      if (Math.abs(error) > NEAR) return;
+      points.forEach((p) => { p[1] += error * Math.max(0, 1 - Math.abs(p[0] - at.x) / REACH); });
+      known.push([at.x, at.wire]);
     });
-    return points.sort((a, b) => a[0] - b[0]);
+    return points.concat(known).sort((a, b) => a[0] - b[0]);
   };
+  const shapes = (pantographs) => state.film.frames.wires.map((wire) => {
+    const points = shapeAt(wire);
+    return wire.role === "contact" ? bent(points, pantographs) : points;
+  });
   const heightOn = (points, x) => {
     let low = 0, high = points.length - 1;
     while (high - low > 1) {
@@ -146,15 +150,15 @@
       label(`support ${i + 1}`, px, TOP - 9);
     });
   };
-  const drawDroppers = (view, contact, messenger) => {
-    const { droppers, slack, frames } = state.film;
+  const drawDroppers = (view, wires) => {
+    const { droppers, dropperWires, slack, frames } = state.film;
     const frame = below(frames.time, state.time), count = droppers.length;
     const bit = (k) => (slack[k >> 3] >> (7 - (k & 7))) & 1;
     droppers.forEach((x, i) => {
       if (x < view.start || x > view.end) return;
       const isSlack = slack.length > 0 && bit(frame * count + i) > 0;
-      const px = view.x(x), top = view.z(heightOn(messenger, x));
-      const foot = view.z(heightOn(contact, x));
+      const px = view.x(x), top = view.z(heightOn(wires[dropperWires[2 * i]], x));
+      const foot = view.z(heightOn(wires[dropperWires[2 * i + 1]], x));
       if (isSlack) {
         const bow = [[px, top], [px + 4, (2 * top + foot) / 3], [px + 4, (top + 2 * foot) / 3]];
         line([...bow, [px, foot]], SLACK, 2, [4, 3]);
@@ -163,17 +167,25 @@
       }
     });
   };
-  const drawWires = (view, contact, messenger) => {
+  const drawWires = (view, wires) => {
     const toScreen = ([x, z]) => [view.x(x), view.z(z)];
     const seen = ([x]) => x > view.start - 15 && x < view.end + 15;
-    const still = Array.from(state.film.frames.x, (x, k) => [x, state.film.frames.contactStill[k]]);
-    line(still.filter(seen).map(toScreen), "#9aa5b0", 1, [5, 4]);
-    line(messenger.filter(seen).map(toScreen), INK, 1.6);
-    line(contact.filter(seen).map(toScreen), CONTACT, 2.6);
-    state.film.supports.forEach((x) => {
-      if (x < view.start || x > view.end) return;
-      pen.fillStyle = INK;
-      pen.beginPath(); pen.arc(view.x(x), view.z(heightOn(messenger, x)), 3.2, 0, 7); pen.fill();
+    const drawn = state.film.frames.wires.map((wire, i) => [wire, wires[i]]);
+    drawn.filter(([{ role }]) => role === "contact").forEach(([{ x, still }]) => {
+      const rest = Array.from(x, (v, k) => [v, still[k]]);
+      line(rest.filter(seen).map(toScreen), "#9aa5b0", 1, [5, 4]);
+    });
+    drawn.forEach(([{ role }, points]) => {
+      const isContact = role === "contact";
+      line(points.filter(seen).map(toScreen), isContact ? CONTACT : INK, isContact ? 2.6 : 1.6);
+    });
+    drawn.filter(([{ role }]) => role === "messenger").forEach(([, points]) => {
+      state.film.supports.forEach((x) => {
+        if (x < view.start || x > view.end) return;
+        if (x < points[0][0] || x > points[points.length - 1][0]) return;
+        pen.fillStyle = INK;
+        pen.beginPath(); pen.arc(view.x(x), view.z(heightOn(points, x)), 3.2, 0, 7); pen.fill();
+      });
     });
   };
   const drawScales = (view) => {
@@ -292,13 +304,11 @@
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, state.width, state.height);
     pen.font = FONT; pen.lineJoin = "round";
-    const view = viewOf(), shown = present(), contact = contactShape(shown);
-    const heights = shapeAt("messenger");
-    const messenger = Array.from(state.film.frames.x, (x, k) => [x, heights[k]]);
+    const view = viewOf(), shown = present(), wires = shapes(shown);
     clipped(view, 0, view.bottom, () => {
       drawSupports(view);
-      drawDroppers(view, contact, messenger);
-      drawWires(view, contact, messenger);
+      drawDroppers(view, wires);
+      drawWires(view, wires);
       drawRoof(view, shown);
       shown.forEach((item) => drawPantograph(view, item));
       drawScales(view);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -83,6 +83,8 @@ class Droppers(Spec):
     Lists hold one value per dropper, left to right, valid in every span; or one such list per
     span.
     """
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("dropper", "dropper clamps")
 
     mode: Annotated[
         Literal["height", "length"],

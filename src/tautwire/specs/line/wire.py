@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -12,6 +12,8 @@ from tautwire.specs.base import Quantity, Spec
 
 class Wire(Spec):
     """A tensioned wire, uniform along the line."""
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("contact wire", "rope")
 
     tension: Annotated[float, Quantity("N", gt=0.0, le=1e6, typical="10 kN to 30 kN")] = Field(
         description="Mechanical tension, applied at the ends of the wire."

@@ -32,7 +32,7 @@ def two_spans(supports: Array) -> tuple[float, float]:
 def configuration(shape: Equilibrium) -> Figure:
     """Draw Fig. 3."""
     contact, messenger = shape.contact_position, shape.messenger_position
-    number = np.searchsorted(shape.station_x, shape.dropper_x - 1e-6)
+    number = np.searchsorted(shape.contact.s, shape.dropper_x - 1e-6)
     gap = np.full(number.size, np.nan)
     x = np.stack([shape.dropper_x, shape.dropper_x, gap], axis=1).ravel()
     z = np.stack([contact[number, 2], messenger[number, 2], gap], axis=1).ravel()
