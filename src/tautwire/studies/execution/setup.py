@@ -12,6 +12,7 @@ import dataclasses
 import hashlib
 import json
 from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def key_of_shape(model: Model) -> str:
     line = {name: part for name, part in parts.items() if name not in _NOT_THE_LINE}
     found = hashlib.sha256(json.dumps(line, sort_keys=True).encode())
     errors = model.irregularities.dropper_length, model.irregularities.dropper_height
-    _add(found, (model.form, model.mesh, model.supports, errors))
+    _add(found, (model.form, model.mesh, model.line, errors))
     return found.hexdigest()
 
 
@@ -82,6 +83,8 @@ def _add(found: Any, value: Any) -> None:
         for field in dataclasses.fields(value):
             found.update(field.name.encode())
             _add(found, getattr(value, field.name))
+    elif isinstance(value, Mapping):
+        _add(found, list(value.items()))
     elif isinstance(value, (tuple, list)):
         found.update(f"{len(value)} of".encode())
         for item in value:
