@@ -324,11 +324,11 @@ BAD_VALUES = {
             "pantographs: [{include: benchmark-2015-pantograph, name: a, "
             "roof_motion: {table: roof.csv, time: [0, 1]}}]"
         ),
-        ["pantographs[1].roof_motion: give {table: file.csv} alone, or time and height"],
+        ["pantographs[1].roof_motion: give either {table: file.csv} or time and height"],
     ),
     "profile twice": (
         "irregularities: {unevenness: [{kind: profile, table: wire.csv, x: [0, 1]}]}",
-        ["irregularities.unevenness[1]: give {kind: profile, table: file.csv}, or kind, x and"],
+        ["irregularities.unevenness[1]: give either {table: file.csv} or x and height"],
     ),
     "missing profile": (
         "irregularities: {unevenness: [{kind: profile, table: nowhere.csv}]}",

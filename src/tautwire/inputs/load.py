@@ -95,7 +95,7 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
     except ValidationError as error:
         problems += [
             sentence
-            for sentence in describe(error, data, composition.origins)
+            for sentence in describe(error, data, composition.cells)
             if not sentence.startswith(tuple(composition.incomplete))
         ]
     told = [*composition.problems, *(f"{composition.label}: {text}" for text in problems)]

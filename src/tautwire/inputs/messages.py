@@ -23,6 +23,7 @@ from tautwire.inputs.paths import (
     value_at,
     without_forms,
 )
+from tautwire.inputs.tables import Cells
 from tautwire.specs.base import (
     LIST,
     MAPPING,
@@ -68,7 +69,7 @@ _EXPECTED = {
 }
 
 
-def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) -> list[str]:
+def describe(error: ValidationError, data: Data, cells: Mapping[Path, Cells]) -> list[str]:
     """Write one sentence per fault, contradictions between the valid parts included.
 
     Parameters
@@ -77,8 +78,8 @@ def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) ->
         What validation of the case raised.
     data
         The case as plain data, as the user wrote it.
-    origins
-        Where single values were read from, such as a cell of a table.
+    cells
+        By the path of a list that came from a table: what names the cell of each item.
     """
     every = [(fault, 0) for fault in error.errors(include_url=False)]
     faults = thinned(every, _kind_of_fault, LOOKED_AT)
@@ -91,7 +92,7 @@ def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) ->
             problems.setdefault(problem, 0)
     told = thinned(problems.items(), _kind_of_problem)
     told.sort(key=lambda item: not item[0].text.startswith(NOT_MODELLED))  # causes go first
-    return [with_count(_sentence(problem, data, origins), more) for problem, more in told]
+    return [with_count(_sentence(problem, data, cells), more) for problem, more in told]
 
 
 def _kind_of_fault(fault: ErrorDetails) -> tuple[str, ...]:
@@ -129,9 +130,12 @@ def place_of(path: Path, data: Data) -> str:
             return ""
 
 
-def _sentence(problem: Problem, data: Data, origins: Mapping[Path, str]) -> str:
+def _sentence(problem: Problem, data: Data, cells: Mapping[Path, Cells]) -> str:
     where = format_path(problem.path) or "the case"
-    notes = (origins.get(problem.path, ""), place_of(problem.path, data))
+    *above, last = problem.path or ("",)
+    cell_of = cells.get(tuple(above))
+    cell = cell_of(last) if cell_of is not None and isinstance(last, int) else ""
+    notes = (cell, place_of(problem.path, data))
     note = "; ".join(filter(None, notes))
     return f"{where} ({note}): {problem.text}" if note else f"{where}: {problem.text}"
 

@@ -114,6 +114,14 @@ def find_target(path: Path) -> Target:
     return Target(field, spec)
 
 
+def spec_at(path: Path) -> type[Spec] | None:
+    """Return the spec of the mapping at a path; None where the path leads to none."""
+    try:
+        return find_target(path).spec
+    except PathError:
+        return None
+
+
 def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
     """Say that a key is unknown, and what may be meant.
 

@@ -90,6 +90,9 @@ class Spec(BaseModel):
     catalogue_kinds: ClassVar[tuple[str, ...]] = ()
     """Kinds of catalogue entries that ``use`` may name in a mapping of this spec."""
 
+    table_columns: ClassVar[tuple[str, ...]] = ()
+    """Lists that ``table`` may give in a mapping of this spec, as columns of a CSV file."""
+
     def with_(self, **changes: Any) -> Self:
         """Return a validated copy with some fields changed.
 

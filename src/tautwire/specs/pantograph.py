@@ -56,6 +56,8 @@ class RoofMotion(Spec):
     Before the first and after the last point the nearest value holds.
     """
 
+    table_columns: ClassVar[tuple[str, ...]] = ("time", "height")
+
     time: tuple[Time, ...] = Field(
         min_length=2, description="Times since the start, strictly increasing."
     )
