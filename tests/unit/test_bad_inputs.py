@@ -40,6 +40,14 @@ BAD_VALUES = {
         "settings: {time_step: {value: 1 ms}}",
         ["settings.time_step: got {'value': '1 ms'}; expected a time [s], for example '1 ms'"],
     ),
+    "mass of nearly nothing": (
+        "wires: {contact: {mass: 1e-320}}",
+        ["wires.contact.mass: got 1e-320, too small to be meant; give 0 or a usual value"],
+    ),
+    "speed of nearly nothing": (
+        "scenario: {speed: 1 mm/h}",
+        ["scenario.speed: got '1 mm/h' (2.77778e-07 m/s); must be at least 0.01 m/s"],
+    ),
     "negative mass": (
         "wires: {contact: {mass: -1.35}}",
         ["wires.contact.mass: got -1.35; must be greater than 0 kg/m (typical: 0.6 to 1.4 kg/m)"],
@@ -457,7 +465,7 @@ BAD_FILES = {
     "schema.yaml": ("schema: 2\n", ["schema: got 2; this program reads version 1", "schema: 1"]),
     "true.yaml": ("schema: true\n", ["schema: got True; this program reads version 1"]),
     "none.yaml": ("name: x\n", ["schema: is missing; write 'schema: 1'", "wires: is missing"]),
-    "case.txt": ("schema: 1\n", ["is no case file; its name must end in .yaml, .yml, .toml"]),
+    "case.text": ("schema: 1\n", ["is no case file; its name must end in .yaml, .yml, .toml"]),
     "include.yaml": ("include: include.yaml\n", ["includes itself", "remove one 'include'"]),
 }
 

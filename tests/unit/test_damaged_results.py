@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import time
@@ -25,6 +26,7 @@ from tautwire.results.storage.seal import Seal, seal_of, sealed
 from .synthetic import make_case, make_elasticity, make_run
 
 SECONDS = 5.0
+"""Processor time, children included, which a busy machine does not stretch [s]."""
 SEAL_LENGTH = len(sealed(b""))
 Random = np.random.Generator
 
@@ -164,14 +166,14 @@ def outcome(path: Path) -> str:
     """Load a file as everything it could be and use what was loaded; name what came of it."""
     from tautwire.analyses.force.statistics import contact_statistics
 
-    begin = time.perf_counter()
+    begin = sum(os.times()[:4])
     try:
         run = load_run(path)
     except InputError as error:
         text = str(error)
         assert "\n" not in text
         assert ";" in text
-        assert time.perf_counter() - begin < SECONDS, "refused too late"
+        assert sum(os.times()[:4]) - begin < SECONDS, "refused too late"
         return "refused"
     contact_statistics(run)
     load_equilibrium(path)

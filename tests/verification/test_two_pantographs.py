@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.pipeline import run_case
+from tautwire.errors import ConvergenceError
 from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.specs.case import Case
 
@@ -173,3 +174,43 @@ def test_passage_from_the_anchor_stays_on_the_wire(start: float, direction: str,
     position = run.pantographs[0].position
     assert 0.0 < position.min() < position.max() < 110.0
     assert np.ptp(position) > 110.0 - 2.0 * start - 1.0
+
+
+@pytest.mark.parametrize("stopped_in", [1, 2, 3])
+def test_stopped_tuning_keeps_the_last_finished_passage(stopped_in: int) -> None:
+    """A tuning that is stopped in its second or third passage keeps the one before as a whole; in
+    its first, what there is of it."""
+    case = train(1).with_(**{"scenario.mean_force": 120.0, "scenario.uplift_guess": 80.0})
+    whole = run_case(case, watch=lambda number, _: number == stopped_in)
+    assert whole.status == "partial"
+    if stopped_in == 1:
+        assert whole.time[-1] < 0.1
+        return
+    assert whole.counters["tuning_passes"] == stopped_in - 1
+    assert whole.time[-1] > 1.5
+    assert f"after passage {stopped_in - 1}, which is kept as a whole" in whole.message
+    assert "instead of 120.0 N" in whole.message
+
+
+def test_failed_tuning_keeps_the_last_finished_passage(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same when a later passage fails, and when Ctrl-C comes between two passages."""
+    from tautwire.analyses.road import mean_force
+
+    simulate, count = mean_force.simulate, [0]
+    case = train(1).with_(**{"scenario.mean_force": 120.0, "scenario.uplift_guess": 80.0})
+
+    def failing(*arguments: Any, **options: Any) -> Any:
+        count[0] += 1
+        if count[0] == 2:
+            raise ConvergenceError("the second passage fails")
+        if count[0] == 4:
+            raise KeyboardInterrupt
+        return simulate(*arguments, **options)
+
+    monkeypatch.setattr(mean_force, "simulate", failing)
+    with pytest.raises(ConvergenceError, match=r"second passage fails.*kept as a whole") as caught:
+        run_case(case)
+    assert caught.value.partial.time[-1] > 1.5
+    kept = run_case(case)
+    assert kept.status == "partial"
+    assert kept.counters["tuning_passes"] == 1

@@ -16,13 +16,15 @@ import typer
 from tautwire.cli import design, high_frequency, own_line
 from tautwire.cli.options import (
     CaseArgument,
+    ForceOption,
     FreeUpliftOption,
     JsonOption,
+    LimitsOption,
     OutFolderOption,
     SetOption,
     SystemOption,
 )
-from tautwire.cli.session import FAILED, REFUSED, answering
+from tautwire.cli.session import FAILED, REFUSED, answering, open_closed_streams
 
 _UsageError: Any = typer.BadParameter.__base__
 
@@ -41,6 +43,7 @@ def main() -> None:
     """Run the command line and end the process with its exit code."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # banded systems gain nothing from more threads
+    open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # pyright: ignore[reportAttributeAccessIssue]
@@ -121,8 +124,7 @@ def tautwire(
     if version:
         from tautwire.cli.about import show_version
 
-        show_version()
-        raise typer.Exit
+        raise typer.Exit(show_version())
 
 
 @app.command()
@@ -170,6 +172,7 @@ def static(
     case: CaseArgument,
     overrides: SetOption = None,
     out: OutFolderOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the static shape: heights, dropper lengths and forces, elasticity.
@@ -177,9 +180,9 @@ def static(
     With --out the dropper table, the elasticity and the static state are written as files.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.static import find_static
+        from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, case, overrides or [], out)
+        find_static(answer, StaticRequest(case, overrides or [], out, force))
 
 
 @app.command()
@@ -192,17 +195,20 @@ def run(
     ] = False,
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
+    limits: LimitsOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a passage, the mean force tuned where the case asks for it, and report on it.
 
-    Files go to the folder "tautwire-" and the name of the case, or to --out. Ctrl-C stops the
-    passage and keeps what was computed.
+    Files go to --out, or to a folder named after the case and what is --set. A folder that holds
+    another run is refused without --force. Ctrl-C stops the passage and keeps what was computed.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.run import RunRequest, run_passage
+        from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
-        request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report)
+        asked = criteria_of(system, free_uplift, limits)
+        request = RunRequest(case, overrides or [], out, asked, not no_report, force)
         run_passage(answer, request)
 
 
@@ -221,13 +227,16 @@ def report(
     ] = None,
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
+    limits: LimitsOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Write one HTML report about one run, or about several runs overlaid."""
     with answering(as_json) as answer:
         from tautwire.cli.commands.results import report_runs
+        from tautwire.cli.commands.run import criteria_of
 
-        report_runs(answer, runs, out or Path("report.html"), system, free_uplift)
+        asked = criteria_of(system, free_uplift, limits)
+        report_runs(answer, runs, out or Path("report.html"), asked)
 
 
 @app.command()
@@ -310,6 +319,13 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="song2021: fewer readings and coarser meshes.")
     ] = False,
+    identify: Annotated[
+        bool,
+        typer.Option(
+            "--identify",
+            help="song2021: compare readings of what the paper leaves open with its numbers.",
+        ),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -329,7 +345,7 @@ def reproduce(
         if study == SONG:
             from tautwire.cli.commands.song import reproduce_song
 
-            reproduce_song(answer, out, workers, quick=quick)
+            reproduce_song(answer, out, workers, quick=quick, identify=identify)
         else:
             reproduce_study(answer, study, out)
 

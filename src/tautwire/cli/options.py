@@ -35,12 +35,24 @@ OutFolderOption = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Replace the files of another result in the folder.")
+]
 SystemOption = Annotated[
     str,
     typer.Option(
         "--system",
         metavar="SYSTEM",
         help="Supply system, which decides between limits: ac, dc-1.5kv or dc-3kv.",
+    ),
+]
+LimitsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--limits",
+        metavar="FILE",
+        help='Own limits, a file begun with "tautwire limits --copy".',
+        show_default=False,
     ),
 ]
 FreeUpliftOption = Annotated[

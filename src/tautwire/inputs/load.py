@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
+from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import SCHEMA_VERSION, Case
 from tautwire.specs.settings import NOT_GIVEN
 
@@ -27,7 +29,8 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
     Parameters
     ----------
     name_or_path
-        Name of a library case, such as ``"ac-simple"``, or path of a file.
+        Name of a library case, such as ``"ac-simple"``, or path of a file; a workbook (XLSX) or a
+        CSV table of supports becomes a case by the meaning of its headings.
     overrides
         Values that replace those of the file: a mapping from path to value, or texts
         ``"path=value"``. Items of lists are numbered from 1, as in ``"droppers.presag[5]"``.
@@ -49,6 +52,8 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
     """
     reference = name_or_path if isinstance(name_or_path, str) else Path(name_or_path)
     _refuse_pantograph(reference)
+    if is_workbook(reference):
+        return _validated(_compose_workbook(Path(reference)), overrides)
     return _validated(compose(reference), overrides)
 
 
@@ -68,6 +73,21 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
         When anything is wrong; every fault is named with its place and its cure.
     """
     return _validated(compose_data({"schema": SCHEMA_VERSION, **data}), overrides)
+
+
+def _compose_workbook(path: Path) -> Composition:
+    data, tables = case_of(open_workbook(path))
+    composition = compose_data(data)
+    composition.label = str(path)
+    by_list: dict[ValuePath, dict[int, str]] = {}
+    for (*above, item), cell in tables.origins.items():
+        by_list.setdefault(tuple(above), {})[int(item)] = cell
+    composition.cells |= {path: partial(_named_cell, cells) for path, cells in by_list.items()}
+    return composition
+
+
+def _named_cell(cells: Mapping[int, str], item: int) -> str:
+    return cells.get(item, "")
 
 
 def _refuse_pantograph(reference: str | Path) -> None:

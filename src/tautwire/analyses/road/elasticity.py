@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,13 @@ Array = NDArray[np.float64]
 
 
 @single_threaded
-def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) -> Elasticity:
+def elasticity(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    force: float | None = None,
+    watch: Callable[[int, int], None] | None = None,
+) -> Elasticity:
     """Compute the elasticity at supports, droppers and midway between them.
 
     Every point is a static solve of the nonlinear line (droppers go slack) with a vertical force
@@ -35,6 +42,9 @@ def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) 
         Its static state.
     force
         Vertical force [N]; ``settings.elasticity_force`` by default.
+    watch
+        Called before every point with its number (from 0) and the number of points; what it
+        raises ends the computation.
 
     Returns
     -------
@@ -50,7 +60,11 @@ def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) 
     force = model.case.settings.elasticity_force if force is None else force
     solver = _solver(model, shape)
     points = _points(model)
-    values = [_flexibility(shape, solver, p, force) for p in points]
+    values = []
+    for number, point in enumerate(points):
+        if watch is not None:
+            watch(number, len(points))
+        values.append(_flexibility(shape, solver, point, force))
     return Elasticity(
         force=force,
         span=np.array([p.span for p in points]),

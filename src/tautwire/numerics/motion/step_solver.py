@@ -109,6 +109,10 @@ class Step:
         """Return the velocities at the end for an end acceleration."""
         return self.v_p + self.c.to_velocity * a
 
+    def resting(self) -> Array:
+        """Return the end acceleration that leaves the wires where they are."""
+        return (self.start.q - self.q_p) / self.c.to_position
+
 
 @dataclass(frozen=True, eq=False)
 class Touch:
@@ -147,6 +151,7 @@ class StepSolver:
             self._factor = self._factors.renew(q, dt)
         if self._factor is not None:
             self._rotation = NodeRotation(self._factor.tangents, self._factor.tangents)
+        return self._factor is not None
 
     def solve(self, r: Array, touches: list[Touch]) -> Array | None:
         """Solve ``(A + sum kappa N G') da = r`` with the contacts that are closed.
