@@ -116,6 +116,8 @@ def read_support_table(path: Path) -> Overlay:
     if length_name:
         line["span_length"] = lengths
         cells["line", "span_length"] = partial(table.cell, name=length_name)
+    if length_name == "x" and table.columns["x"][0] != 0.0:
+        line["chainage"] = table.full_column("x")  # not counted from the first support
     return Overlay({"line": line} | ({"supports": supports} if supports else {}), cells)
 
 
