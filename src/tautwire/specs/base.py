@@ -14,7 +14,7 @@ from tautwire.text import shown
 from tautwire.units import UnitError, expectation, parse_quantity
 
 SMALLEST = 1e-30
-"""Smallest size of a quantity other than 0: no value in SI is smaller, and one over it is finite."""
+"""Smallest size of a quantity other than 0: none in SI is smaller, and one over it is finite."""
 
 SCALAR = "<scalar>"
 LIST = "<list>"
