@@ -160,6 +160,7 @@ class _Composer:
         self._refuse_endless(document, trail)
         own = dict(document.content)
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
+        own = upgraded(own)
         if at:
             own.pop("schema", None)
         tables = own.pop("tables", None)
@@ -272,10 +273,10 @@ class _Composer:
 
 
 def _check_schema(version: object, label: str) -> None:
-    if version != SCHEMA_VERSION or isinstance(version, bool):
+    if version not in READ_VERSIONS or isinstance(version, bool):
         raise InputError(
-            f"{label}: schema: got {version!r}; this program reads version {SCHEMA_VERSION} of the "
-            f"input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the input "
+            f"{label}: schema: got {version!r}; this program reads versions 1 and {SCHEMA_VERSION} "
+            f"of the input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the input "
             "reference if it was written for another version"
         )
 

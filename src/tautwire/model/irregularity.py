@@ -24,17 +24,18 @@ SURFACE_SPACING = 0.005
 _INSTALLATION, _UNEVENNESS = 0, 1
 
 
-def draw_irregularities(case: Case) -> DrawnIrregularities:
+def draw_irregularities(case: Case, count: int) -> DrawnIrregularities:
     """Draw all irregularities of a case.
 
     Parameters
     ----------
     case
         Its ``irregularities`` and ``settings.seed`` decide everything.
+    count
+        Number of droppers of the line.
     """
     spec, seed = case.irregularities, case.settings.seed
-    counts = [len(span) for span in case.droppers.positions_by_span(case.line.spans)]
-    errors = np.zeros(sum(counts))
+    errors = np.zeros(count)
     if spec.installation is not None:
         random = _stream(seed, _INSTALLATION)
         errors = _installation_errors(spec.installation, len(errors), case.line.spans, random)

@@ -107,6 +107,7 @@ class Spec(BaseModel):
             When the changed spec is not valid.
         """
         own = {name: getattr(self, name) for name in type(self).model_fields}
+        own |= self.model_extra or {}
         nested: dict[str, dict[str, Any]] = {}
         for path, value in changes.items():
             head, _, rest = path.partition(".")

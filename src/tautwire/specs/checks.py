@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from tautwire.specs.base import Problem
@@ -58,8 +59,74 @@ def _missing_arm_ends(line: Line, supports: Supports) -> list[Problem]:
     return problems
 
 
-def check_droppers(line: Line, droppers: Droppers) -> list[Problem]:
+DropperSets = Droppers | tuple[Droppers, ...]
+
+
+def _sets(droppers: DropperSets) -> list[tuple[tuple[str | int, ...], Droppers]]:
+    """Return paths and sets of droppers, as they are written."""
+    if isinstance(droppers, tuple):
+        return [(("droppers", index), one) for index, one in enumerate(droppers)]
+    return [(("droppers",), droppers)]
+
+
+def check_dropper_wires(wires: Wires, supports: Supports, droppers: DropperSets) -> list[Problem]:
+    """Check that sets of droppers name wires of the line and that every wire hangs on something."""
+    names = dict(wires.named())
+    problems = []
+    for path, one in _sets(droppers):
+        for field, name in (("from", one.upper), ("to", one.lower)):
+            if name not in names:
+                text = f"got {name!r}; there are the wires {', '.join(names)}"
+                problems.append(Problem((*path, field), text))
+        if one.upper in names and names[one.upper].role == "contact":
+            problems.append(Problem((*path, "from"), f"{one.upper!r} is a contact wire"))
+        if one.upper == one.lower:
+            problems.append(Problem((*path, "to"), "is the wire above too"))
+    carried = {one.lower for _, one in _sets(droppers)}
+    if wires.messenger is not None:
+        if supports.encumbrance is None:
+            text = "is missing; the height of the messenger wire above the contact wire is needed"
+            problems.append(Problem(("supports", "encumbrance"), text))
+        problems += [
+            Problem(("droppers",), f"no set of droppers carries the wire {name!r}; add one to it")
+            for name, wire in names.items()
+            if wire.role in ("contact", "auxiliary") and name not in carried
+        ]
+    return problems
+
+
+def check_droppers(line: Line, droppers: DropperSets) -> list[Problem]:
     """Check that droppers lie inside their span, in order, each with its value."""
+    problems = []
+    for path, one in _sets(droppers):
+        if one.about == "span":
+            found = _check_set(line, one)
+            problems += [Problem((*path, *problem.path[1:]), problem.text) for problem in found]
+        else:
+            problems += _check_about_masts(line, one, path)
+    return problems
+
+
+def _check_about_masts(line: Line, one: Droppers, path: tuple[str | int, ...]) -> list[Problem]:
+    masts = line.spans - 1
+    rows = one.positions_by_span(masts)
+    values = "presag" if one.mode == "height" else "lengths"
+    given = one.presag_by_span(masts) if values == "presag" else one.lengths_by_span(masts)
+    if len(rows) != masts or len(given) != masts:
+        text = f"has {len(rows)} lists for {masts} supports between the anchors"
+        return [Problem((*path, "positions"), f"{text}; give one list, or one per support")]
+    for row, items in zip(rows, given, strict=True):
+        if len(row) != len(items):
+            text = f"has {len(items)} values for {len(row)} droppers; give one value per dropper"
+            return [Problem((*path, values), text)]
+        if any(right < left + MIN_SPACING for left, right in pairwise(row)):
+            text = f"must rise by at least {MIN_SPACING:g} m from dropper to dropper"
+            return [Problem((*path, "positions"), text)]
+    return []
+
+
+def _check_set(line: Line, droppers: Droppers) -> list[Problem]:
+    """Check one set that counts from the supports on the left of the spans."""
     counts = [
         Problem(
             ("droppers", name),
@@ -272,6 +339,7 @@ Check = Callable[..., list[Problem]]
 CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "supports"), check_support_lists),
     (("line", "droppers"), check_droppers),
+    (("wires", "supports", "droppers"), check_dropper_wires),
     (("wires", "scenario"), check_speed),
     (("pantographs",), check_pantograph_row),
     (("scenario", "pantographs"), check_forces),

@@ -218,6 +218,7 @@ class NativeStepper:
             time=time[:taken],
             status=_OUTCOMES.get(outcome, Status.RUNNING),
             refused_gap=refused if outcome == _CROSSING else None,
+            path_force=histories["contact_force"][:taken, :, None],
             **{name: array[:taken] for name, array in histories.items()},
         )
 
