@@ -23,7 +23,7 @@ from tautwire.inputs.line_tables import (
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
-from tautwire.specs.case import SCHEMA_VERSION
+from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 
 MAX_DOCUMENTS = 100
 """Documents that one case may be put together from."""
@@ -276,8 +276,8 @@ def _check_schema(version: object, label: str) -> None:
     if version not in READ_VERSIONS or isinstance(version, bool):
         raise InputError(
             f"{label}: schema: got {version!r}; this program reads versions 1 and {SCHEMA_VERSION} "
-            f"of the input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the input "
-            "reference if it was written for another version"
+            f"of the input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the "
+            "input reference if it was written for another version"
         )
 
 

@@ -15,7 +15,8 @@ from tautwire.inputs.composition import Composition, compose
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import PathError, find_target, parse_path
-from tautwire.specs.case import SCHEMA_VERSION, Case
+from tautwire.specs.case import Case
+from tautwire.specs.upgrade import SCHEMA_VERSION
 
 
 def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:

@@ -141,6 +141,8 @@ class Registration:
     clamp : float kg
     end : (float, float) or None
         Far end (y, z) of a given arm [m].
+    is_fixed_along : bool
+        Whether the wire is held along the track once the shape is found.
     """
 
     label: MastLabel
@@ -150,6 +152,7 @@ class Registration:
     kind: Closure
     clamp: float
     end: tuple[float, float] | None = None
+    is_fixed_along: bool = False
 
 
 @dataclass(frozen=True)

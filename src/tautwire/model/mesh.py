@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
 
 Array = NDArray[np.float64]
@@ -79,6 +80,9 @@ class Mesh:
 def divide(line: Line, nodes_between: int) -> Mesh:
     """Divide every interval between neighbouring attachments of a run evenly.
 
+    Intervals longer than any in a span with droppers (raised contact wires on their way to the
+    anchor) get more elements, so that none is longer than the longest there.
+
     Parameters
     ----------
     line
@@ -86,7 +90,10 @@ def divide(line: Line, nodes_between: int) -> Mesh:
     nodes_between
         Nodes from one attachment to the next, both counted (NAD).
     """
-    places = [_divided(np.array(line.points(run.name)), nodes_between - 1) for run in line.runs]
+    longest = longest_hung_interval(line)
+    places = [
+        _divided(np.array(line.points(run.name)), nodes_between - 1, longest) for run in line.runs
+    ]
     s = np.concatenate(places)
     strand_of = np.repeat(np.arange(len(places)), [len(p) for p in places])
     order = np.lexsort((strand_of, s))
@@ -101,8 +108,10 @@ def divide(line: Line, nodes_between: int) -> Mesh:
     return Mesh(tuple(strands), s[order])
 
 
-def _divided(ends: Array, elements: int) -> Array:
-    """Divide the intervals between some points into a number of elements each."""
-    fractions = np.arange(elements) / elements
-    inner = ends[:-1, None] + np.diff(ends)[:, None] * fractions
-    return np.concatenate([inner.ravel(), ends[-1:]])
+def _divided(ends: Array, elements: int, longest: float) -> Array:
+    """Divide the intervals between some points into elements, long ones into more [m]."""
+    parts = []
+    for left, gap in zip(ends[:-1], np.diff(ends), strict=True):
+        count = elements * max(1, int(np.ceil(gap / longest - SAME_PLACE)))
+        parts.append(left + gap * (np.arange(count) / count))
+    return np.concatenate([*parts, ends[-1:]])

@@ -15,6 +15,7 @@ from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
 from tautwire.specs.line.support import Supports
+from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
@@ -57,6 +58,16 @@ class Case(Spec):
         Annotated[Droppers, Tag(MAPPING)] | Annotated[tuple[Droppers, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="The droppers: one set, or a list of sets; none with an empty list.")
+    tension_lengths: tuple[TensionLength, ...] = Field(
+        default=(),
+        description="Tension lengths from left to right; a single one over all supports, with "
+        "line.ends, if left out.",
+    )
+    overlaps: tuple[Overlap, ...] = Field(
+        default=(),
+        description="How neighbouring tension lengths overlap, from left to right: one overlap for "
+        "all, or one each.",
+    )
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."
     )

@@ -19,7 +19,7 @@ from tautwire.model.passage import Passage, plan_passage
 from tautwire.numerics.events.crossings import Crossing
 from tautwire.numerics.events.refinement import AdaptiveStep
 from tautwire.numerics.events.step_control import ConstantStep, StepControl, Task, VariableStep
-from tautwire.numerics.motion.backend import Choice, backend_name, make_stepper
+from tautwire.numerics.motion.backend import Choice, backend_of, make_stepper
 from tautwire.numerics.motion.dispersion import wave_stiffening
 from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
@@ -122,7 +122,6 @@ class Simulation:
         self.model, self.shape = model, shape
         self.integrator = choices.integrator or _integrator(model)
         self.stepping = choices.stepping or _stepping(model)
-        self.backend = backend_name(choices.backend or settings.backend)
         forces = choices.uplift_forces or model.case.uplift_forces()
         self.passage: Passage = plan_passage(model, shape, forces)
         system = equations(model, shape)
@@ -140,6 +139,7 @@ class Simulation:
         self.stepper: Stepper = make_stepper(
             system, self.passage.pantographs, options, observed, choices.backend or settings.backend
         )
+        self.backend = backend_of(self.stepper)
         self.step_count = int(np.ceil(self.passage.duration / self.stepping.time_step - 1e-9))
 
     def blocks(self) -> Iterator[Block]:

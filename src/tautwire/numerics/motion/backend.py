@@ -23,6 +23,13 @@ Choice = Literal["auto", "native", "reference"]
 _INSTRUCTION_SETS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2", "generic": "2 lanes"}
 
 
+_TWO_WIRES_ONLY = "it is not two wires side by side coupled station by station"
+
+
+class UnsuitableLineError(RuntimeError):
+    """The compiled core was asked for by name, but cannot take the line."""
+
+
 class NativeCoreMissingError(RuntimeError):
     """The compiled core was asked for by name, but this installation has none that runs here."""
 
@@ -83,8 +90,8 @@ def make_stepper(
 ) -> Stepper:
     """Set up a time integration with the chosen kernels.
 
-    A line whose nodes are not two wires side by side, coupled station by station, is integrated by
-    the general banded solver of the reference; ``counters.notes`` says so.
+    Where the compiled core cannot take a line, 'auto' integrates it with the general banded solver
+    of the reference; ``counters.notes`` says so.
 
     Parameters
     ----------
@@ -103,16 +110,26 @@ def make_stepper(
     ------
     NativeCoreMissingError
         'native' was asked for and is not there.
+    UnsuitableLineError
+        'native' was asked for and cannot take the line.
     """
     core = _native(backend)
     if core is not None and cable_order(system) is not None:
         return NativeStepper(core, system, pantographs, options, observed)
+    if core is not None and backend == "native":
+        raise UnsuitableLineError(
+            f"the compiled core cannot take this line: {_TWO_WIRES_ONLY}; choose the backend "
+            "'auto' or 'reference'"
+        )
     stepper = ReferenceStepper(system, pantographs, options, observed)
     if core is not None:
-        stepper.counters.notes["general_solver"] = (
-            "the line is not two wires side by side coupled station by station"
-        )
+        stepper.counters.notes["general_solver"] = _TWO_WIRES_ONLY
     return stepper
+
+
+def backend_of(stepper: Stepper) -> str:
+    """Describe the kernels that a time integration uses, as :func:`backend_name` does."""
+    return backend_name("native" if isinstance(stepper, NativeStepper) else "reference")
 
 
 def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:

@@ -38,8 +38,8 @@ from tautwire.numerics.motion.step_solver import (
     Step,
     StepSolver,
     Touch,
-    contact_forces,
     Watchdog,
+    contact_forces,
 )
 from tautwire.numerics.motion.stepper import PantographInput, StepBlock, StepCounters, StepOptions
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
@@ -85,7 +85,8 @@ class ReferenceStepper:
         self._chains: dict[float, tuple[PantographStep, ...]] = {}
         self._systems: dict[float, System] = {}
         still = np.zeros_like(system.position)
-        at_start = tuple(PantographState.at_rest(p.chain.stage_count, len(system.paths)) for p in pantographs
+        at_start = tuple(
+            PantographState.at_rest(p.chain.stage_count, len(system.paths)) for p in pantographs
         )
         self._state = State(Clock(), system.position.copy(), still, still, still, at_start)
 

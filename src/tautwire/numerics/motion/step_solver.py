@@ -44,8 +44,8 @@ class Clock:
 class PantographState:
     """Where one pantograph is; heights count from the start.
 
-    ``forces`` are those of the paths (n_path,), NaN where a path is out of reach; ``elements`` where
-    each path was met last. Gap and height belong to the nearest wire.
+    ``forces`` are those of the paths (n_path,), NaN where a path is out of reach; ``elements``
+    where each path was met last. Gap and height belong to the nearest wire.
     """
 
     z: Array

@@ -37,7 +37,8 @@ class Ends(Spec):
     )
 
 
-def _ends_from_word(value: Any) -> Any:
+def ends_from_word(value: Any) -> Any:
+    """Read one word as that of both ends."""
     return {"left": value, "right": value} if isinstance(value, str) else value
 
 
@@ -54,7 +55,7 @@ class Line(Spec):
         Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="Length of every span, or a list with one length per span.")
-    ends: Annotated[Ends, BeforeValidator(_ends_from_word, json_schema_input_type=End | Ends)] = (
+    ends: Annotated[Ends, BeforeValidator(ends_from_word, json_schema_input_type=End | Ends)] = (
         Field(
             default=Ends(),
             description="How both wires end: 'anchored' (held) or 'weighted' (constant tension, "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -91,7 +91,8 @@ class Wires(Spec):
     """
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Wire]
+    __pydantic_extra__: dict[str, Wire]  # pyright: ignore[reportIncompatibleVariableOverride]
+    named_items: ClassVar[type[Spec] | None] = Wire
 
     contact: Wire = Field(description="Contact wire, on which the pantograph runs.")
     messenger: Wire | None = Field(
