@@ -73,7 +73,7 @@ def main() -> None:
     print("passage           steps  std N  rms error N  max error N  losses  with full Newton")
     for name, changes in PASSAGES.items():
         line = {"line.spans": given.spans, "settings.nodes_between_droppers": given.nodes}
-        fast, full = both(tw.load_case("ac-simple", changes | line))
+        fast, full = both(tw.load_case("ac-simple-plane", changes | line))
         error = fast.contact_force - full.contact_force
         print(
             f"{name:16s} {len(fast.time):6d} {full.contact_force.std():6.1f}"

@@ -80,7 +80,7 @@ def passages(*, quick: bool) -> Iterator[tuple[str, tw.Model, tw.Equilibrium]]:
                 "irregularities": irregularities,
                 **smaller,
             }
-            model = tw.build(tw.load_case("ac-simple", changes))
+            model = tw.build(tw.load_case("ac-simple-plane", changes))
             yield f"{line.name}, {stiffness}", model, tw.find_shape(model)
 
 

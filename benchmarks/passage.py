@@ -24,7 +24,7 @@ WARM_UP = 300
 
 def prepare(spans: int, nodes: int, backend: str) -> tuple[Stepper, int]:
     """Load, build, find the shape and factor; return the time integration and its size."""
-    case = tw.load_case("ac-simple").with_(
+    case = tw.load_case("ac-simple-plane").with_(
         **{
             "line.spans": spans,
             "settings.nodes_between_droppers": nodes,

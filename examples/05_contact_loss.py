@@ -1,8 +1,9 @@
 """How long is contact lost, and does the time step decide it?
 
 Expect: on a line with a rough running surface a constant step of 1 ms misses a loss that the
-adaptive step finds; read by counting samples, it is worse. A short line and a coarse mesh keep this
-example quick; they are too coarse for figures to be quoted.
+adaptive step finds, and is wrong about the durations of the others by more than a tenth, whether
+its samples are counted or interpolated; the adaptive step by less than a twentieth. A short line
+and a coarse mesh keep this example quick; they are too coarse for figures to be quoted.
 """
 
 import tautwire as tw
@@ -12,7 +13,7 @@ ROUGH = {
     "settings.nodes_between_droppers": 4,
     "settings.seed": 1,
     "scenario.uplift_force": "174 N",
-    "irregularities.unevenness": [{"kind": "uniform", "spacing": "1 m", "amplitude": "0.6 mm"}],
+    "irregularities.unevenness": [{"kind": "uniform", "spacing": "1 m", "amplitude": "1.8 mm"}],
 }
 
 model = tw.build(tw.load_case("ac-simple", ROUGH))
@@ -38,4 +39,5 @@ for match in comparison.matches:
 assert not refined.missed
 assert not refined.spurious
 assert refined.median_error < 0.05
-assert refined.median_error < interpolated.median_error < counted.median_error
+assert interpolated.missed
+assert min(interpolated.median_error, counted.median_error) > 0.1

@@ -2,8 +2,24 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from typing import Any
+
+_CURES = (
+    ((errno.ENAMETOOLONG,), "choose a shorter name"),
+    ((errno.ENOSPC, errno.EDQUOT, errno.EFBIG), "make room on the disk"),
+    ((errno.EACCES, errno.EPERM, errno.EROFS), "change its permissions"),
+    ((errno.ENOENT, errno.ENOTDIR, errno.ELOOP), "check that its folder exists"),
+)
+"""What helps against a refusal of the operating system, by its number."""
+
+
+def cure_of(error: Exception) -> str:
+    """Say what to try when the operating system refuses to read or write a file."""
+    number = getattr(error, "errno", None)
+    cures = (cure for numbers, cure in _CURES if number in numbers)
+    return next(cures, "check free space, path and permissions")
 
 
 class TautwireError(Exception):

@@ -120,7 +120,7 @@ def test_run_document(short_run: tuple[Path, Outcome]) -> None:
     assert document["status"] == "done"
     assert set(document["conventions"]) >= CONVENTIONS
     assert document["speed_kmh"] == 320.0
-    assert document["contact_stiffness_n_per_m"] == 200e3
+    assert document["contact_stiffness_n_per_m"] == 50e3
     assert document["section"]["first_span"] == 2
     assert document["section"]["last_span"] == 3
     assert set(document["cost"]) >= COST

@@ -26,7 +26,7 @@ LINE = {
 
 def numbers(backend: str) -> dict[str, Any]:
     """Return inner values of shape, elasticity and passage of the short line."""
-    case = tw.load_case("ac-simple", LINE)
+    case = tw.load_case("ac-simple-plane", LINE)
     model = tw.build(case)
     shape = tw.find_shape(model)
     run = tw.simulate(model, shape, backend=backend)

@@ -141,6 +141,26 @@ def test_speed_classes_have_no_gap_and_no_overlap(statistics: RunStatistics, sys
         assert len(set(names)) == 8
 
 
+def test_published_results_outside_a_limit_are_named(statistics: RunStatistics) -> None:
+    """The benchmark's own 53.91 N exceed 0.3 times its 169 N: a run of AC simple that does too says
+    so; a run of another line, and a value within, do not."""
+    entry = statistics.pantographs[0]
+    name = "standard deviation"
+
+    def explained(case_name: str, sigma: float) -> str:
+        filtered = {**entry.filtered, "sharp": replace(
+            entry.sharp, mean=169.0, standard_deviation=sigma)}  # fmt: skip
+        changed = replace(statistics, pantographs=(replace(entry, filtered=filtered),))
+        case = make_case(name=case_name).with_(**{"scenario.speed": 320.0 / 3.6})
+        return by_name(checks(changed, case), name)[0].explanation
+
+    text = explained("ac-simple", 52.5)
+    assert "mean of ten codes" in text
+    assert "53.91 N against 50.7" in text
+    assert not explained("ac-simple", 50.0)
+    assert not explained("my-line", 52.5)
+
+
 def test_uplift_needs_the_free_space(statistics: RunStatistics, case: Case) -> None:
     """Without the free space no uplift check; with it S0 <= space / 2, or / 1.5 with a stop."""
     assert not by_name(checks(statistics, case), "largest uplift")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -15,9 +16,10 @@ CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
 def test_what_the_library_holds() -> None:
-    """The library holds three cases and two pantographs, each with a summary."""
+    """The library holds four cases and two pantographs, each with a summary."""
     assert [entry.name for entry in list_entries()] == [
         "ac-simple",
+        "ac-simple-plane",
         "ac-simple-two-pantographs",
         "en50318-2002",
         "benchmark-2015-pantograph",
@@ -39,7 +41,9 @@ def test_reference_line_2015() -> None:
     assert (case.droppers.mass, case.droppers.clamp_contact) == (0.117, 0.165)
     assert (case.droppers.clamp_messenger, case.droppers.stiffness.spring) == (0.195, 2e5)
     assert (case.supports.arm.length, case.supports.arm.mass) == (1.22, 0.73)
-    assert case.settings.contact_stiffness == 2e5
+    assert (case.supports.closure, case.supports.arm.motion) == ("arm", "swinging")
+    assert case.supports.arm.angle == pytest.approx(math.radians(10.0))
+    assert case.settings.contact_stiffness == 5e4
     assert [stage.mass for stage in case.pantographs[0].stages] == [7.5, 9.0, 6.0]
     assert [stage.stiffness for stage in case.pantographs[0].stages] == [7e3, 15.5e3, 160.0]
     assert [stage.damping for stage in case.pantographs[0].stages] == [45.0, 0.1, 100.0]
@@ -68,6 +72,18 @@ def test_two_pantographs() -> None:
     assert pair.settings == single.settings
 
 
+def test_nothing_in_the_reference_line_is_calibrated() -> None:
+    """No number of AC simple was selected to meet a result; the plane reading has one that was."""
+    assert "calibrated" not in {source.confidence for source in load_case("ac-simple").sources}
+    plane = load_case("ac-simple-plane")
+    known = {source.path: source.confidence for source in plane.sources}
+    assert known["settings.contact_stiffness"] == "calibrated"
+    assert (plane.supports.closure, plane.supports.arm.motion) == ("height", "vertical")
+    assert plane.settings.contact_stiffness == 2e5
+    assert plane.wires == load_case("ac-simple").wires
+    assert plane.droppers == load_case("ac-simple").droppers
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_numbers_have_sources(name: str) -> None:
     """Every number of a library case that is not a matter of course has its source."""
@@ -90,7 +106,11 @@ def test_numbers_have_sources(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "path", "confidence"),
     [
-        ("ac-simple", "settings.contact_stiffness", "calibrated"),
+        ("ac-simple", "settings.contact_stiffness", "memory"),
+        ("ac-simple", "supports.closure", "memory"),
+        ("ac-simple", "supports.arm.angle", "memory"),
+        ("ac-simple", "supports.arm.motion", "memory"),
+        ("ac-simple-plane", "supports.arm.motion", "choice"),
         ("ac-simple", "supports.arm", "memory"),
         ("ac-simple", "supports.arm.axial_stiffness", "choice"),
         ("ac-simple", "supports.contact_stagger", "memory"),
@@ -114,12 +134,15 @@ def test_weak_numbers_are_marked(name: str, path: str, confidence: str) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_copy_can_be_loaded(name: str, tmp_path: Path) -> None:
-    """A copy is a commented file that loads to the same case under its own name."""
+    """A copy is a commented file that loads to the same line, marked as taken over."""
     path = copy_case(name, tmp_path / "my-line.yaml")
     text = path.read_text(encoding="utf-8")
     original, copy = load_case(name), load_case(path)
     assert copy.name == "my-line"
-    assert copy.with_(name=name) == original
+    its_own = {"title": "", "description": "", "sources": ()}
+    assert copy.with_(name=name, **its_own) == original.with_(**its_own)
+    assert {source.path for source in copy.sources} == {s.path for s in original.sources}
+    assert {source.template for source in copy.sources} <= {name, "ac-simple", ""}
     assert text.startswith(f"# Copied from '{name}' of the tautwire library.\n")
     assert text.count("#") > 5
     assert [entry.name for entry in tmp_path.iterdir()] == ["my-line.yaml"]

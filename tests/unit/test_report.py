@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import json
 import re
+from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -371,6 +372,18 @@ def test_names_are_escaped(tmp_path: Path) -> None:
     assert "<img src=x" not in text
     assert "&lt;/script&gt;" in text
     assert len(_Page(text).ids("section")) == len(SECTIONS)
+
+
+def test_policy_allows_the_scripts_of_the_page_alone(tmp_path: Path) -> None:
+    """Every script that runs has its SHA-256 in the policy; nothing else may run (CSP Level 3)."""
+    text = write_report([make_run(make_case(spans=3))], tmp_path / "r.html").read_text("utf-8")
+    policy = re.search(r"script-src ([^;]*);", text)
+    scripts = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    hashes = [base64.b64encode(sha256(script.encode()).digest()).decode() for script in scripts]
+    assert policy is not None
+    assert policy.group(1).split() == [f"'sha256-{value}'" for value in hashes]
+    assert len(hashes) == 3
+    assert not re.search(r"\son[a-z]+=", text.split("<body>")[1].split("<script>")[0])
 
 
 def test_partial_run_says_so(tmp_path: Path) -> None:

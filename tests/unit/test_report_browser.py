@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tautwire.report.pages.run_page import write_report
+from tautwire.report.pages.run_page import script_hash, write_report
 
 from .synthetic import make_case, make_elasticity, make_run
 
@@ -20,7 +20,6 @@ OPTIONS = (
     *("--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000", "--window-size=1300,2000"),
 )
 USE = """
-<script>
 const part = (name) => document.querySelector(`[data-part="${name}"]`);
 const change = (name, value) => {
   part(name).value = value;
@@ -38,27 +37,52 @@ setTimeout(() => {
   console.log(`requests ${performance.getEntriesByType("resource").length}`);
   console.log(`readout ${part("readout").textContent}`);
 }, 3000);
-</script>
 """
+INJECTED = """
+<script>console.log('a script ran')</script>
+<img src="data:," onerror="console.log('a handler ran')">
+"""
+
+
+def _console(page: Path) -> list[str]:
+    """Open a page and return what it wrote to the console."""
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        pytest.skip("no browser is installed")
+    command = [browser, *OPTIONS, f"--user-data-dir={page.parent / 'profile'}", "--dump-dom"]
+    done = subprocess.run(
+        [*command, page.as_uri()], capture_output=True, text=True, timeout=180, check=False
+    )
+    return re.findall(r'CONSOLE[:(]\d+[^"]*"(.*)", source:', done.stderr)
+
+
+def _used(text: str, script: str) -> str:
+    """Append a script to a page, allowed by its policy."""
+    allowed = text.replace("script-src", f"script-src {script_hash(script)}", 1)
+    return f"{allowed}<script>{script}</script>"
 
 
 @pytest.mark.slow
 def test_page_works_in_a_browser(tmp_path: Path) -> None:
     """All figures are drawn, all controls work, nothing is requested, the console stays silent."""
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        pytest.skip("no browser is installed")
     first, second = make_case(spans=8), make_case(spans=8, pantographs=2)
     runs = [make_run(first, losses=True), make_run(second)]
     page = write_report(runs, tmp_path / "report.html", make_elasticity(first))
-    page.write_text(page.read_text(encoding="utf-8") + USE, encoding="utf-8")
-    command = [browser, *OPTIONS, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom"]
-    done = subprocess.run(
-        [*command, page.as_uri()], capture_output=True, text=True, timeout=180, check=False
-    )
-    console = re.findall(r'CONSOLE[:(]\d+[^"]*"(.*)", source:', done.stderr)
-    messages = dict(line.split(" ", 1) for line in console)
-    assert set(messages) == {"drawn", "requests", "readout"}, console
+    page.write_text(_used(page.read_text(encoding="utf-8"), USE), encoding="utf-8")
+    messages = dict(line.split(" ", 1) for line in _console(page))
+    assert set(messages) == {"drawn", "requests", "readout"}, messages
     assert messages["drawn"] == "10"
     assert messages["requests"] == "0"
     assert "front: span" in messages["readout"]
+
+
+@pytest.mark.slow
+def test_injected_scripts_do_not_run(tmp_path: Path) -> None:
+    """Script and handler that stand in the page without a hash are refused by the browser."""
+    page = write_report([make_run(make_case(spans=3))], tmp_path / "report.html")
+    text = page.read_text(encoding="utf-8") + INJECTED
+    page.write_text(_used(text, "console.log('the end');"), encoding="utf-8")
+    told = "\n".join(_console(page))
+    assert "the end" in told
+    assert " ran" not in told
+    assert told.count("violates the following Content Security Policy directive") == 2

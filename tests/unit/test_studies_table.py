@@ -22,6 +22,7 @@ from tautwire.studies.store import Store
 from tautwire.studies.study_file import make_study
 from tautwire.studies.table import StudyTable, collect
 
+FORMULAS = {"=1+1": {"line.spans": 17}, "@SUM(A1)": {"line.spans": 18}, "-2": {"line.spans": 19}}
 AXES = {
     "scenario.speed": ["250 km/h", "300 km/h", "600 km/h"],
     "settings.contact_stiffness": ["50 kN/m", "200 kN/m"],
@@ -193,6 +194,14 @@ def test_several_pantographs(tmp_path: Path) -> None:
     head = found.to_csv().splitlines()[0]
     assert "front.sharp.std_0_20 [N]" in head
     assert "rear.uplift_force [N]" in head
+
+
+def test_names_that_look_like_formulas(tmp_path: Path) -> None:
+    """Variants whose names a spreadsheet would compute are written as texts, numbers as numbers."""
+    base = {"schema": 1, "name": "s", "base": "ac-simple"}
+    plan = plan_study(make_study({**base, "axes": {"length": {"variants": FORMULAS}}}))
+    rows = list(csv.reader(io.StringIO(fill(plan, tmp_path).to_csv())))
+    assert [row[1] for row in rows] == ["length", "'=1+1", "'@SUM(A1)", "-2"]
 
 
 def test_unfinished_study(tmp_path: Path) -> None:

@@ -13,11 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tautwire.assessment.limits import Limit, Limits, known_system, load_limits
+from tautwire.assessment.references import load_references
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 from tautwire.specs.scenario import TUNING_TOLERANCE
 
 _ROUNDING = 1e-6
+_PUBLISHED_AS = {"mean": "mean", "standard_deviation": "std_0_20", "maximum": "maximum"}
+"""Names of limited quantities among those of published results, all in newtons."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,8 @@ class Check:
         Clause is None where it is not known.
     verified : bool
     confidence, note : str
+    explanation : str
+        What is known of a value outside its limit; empty where nothing is.
     """
 
     name: str
@@ -59,6 +64,7 @@ class Check:
     verified: bool
     confidence: str
     note: str
+    explanation: str = ""
 
     @property
     def verdict(self) -> str:
@@ -125,7 +131,8 @@ def checks(
         for pantograph, value, mean in _values(limit.quantity, statistics, case):
             bound = limit.value(speed, mean, free_uplift)
             if bound is not None:
-                rows.append(_with_tuning(_check(limit, pantograph, value, bound), limit, case))
+                found = _with_tuning(_check(limit, pantograph, value, bound), limit, case)
+                rows.append(_with_published(found, limit, case))
     return tuple(rows)
 
 
@@ -167,6 +174,27 @@ def _check(limit: Limit, pantograph: str | None, value: float, bound: float) -> 
         verified=limit.verified,
         confidence=limit.confidence,
         note=limit.note,
+    )
+
+
+def _with_published(check: Check, limit: Limit, case: Case) -> Check:
+    """Say so where published results of the same line and speed lie outside a limit as well."""
+    if check.within is not False or limit.quantity not in _PUBLISHED_AS:
+        return check
+    texts = []
+    for reference in load_references().of_case(case.name, case.scenario.speed):
+        numbers = {name: own.target for name, own in reference.values.items()}
+        value, mean = numbers.get(_PUBLISHED_AS[limit.quantity]), numbers.get("mean")
+        bound = None if mean is None else limit.value(case.scenario.speed, mean, None)
+        if value is None or bound is None:
+            continue
+        if (value > bound) == (limit.sense == "maximum"):
+            texts.append(f"{reference.title}: {value:g} {limit.unit} against {bound:.1f}")
+    if not texts:
+        return check
+    return replace(
+        check,
+        explanation=f"published results of this line lie outside as well ({'; '.join(texts)})",
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -16,6 +17,10 @@ from tautwire.errors import InputError
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.statistics import RunStatistics
 from tautwire.units import parse_unit, to_unit
+
+LARGE_DEVIATION = 0.05
+"""Deviation from a single published value that asks for an explanation; the paper's own model is
+up to 5.2 % off the standard deviations of the benchmark."""
 
 _SI_UNITS = {"N": "N", "mm": "m", "%": "%", "mm/N": "m/N"}
 
@@ -57,7 +62,9 @@ class Reference(Record):
 
     Attributes
     ----------
-    id, title, case : str
+    id, title : str
+    cases : tuple of str
+        Library cases of this line.
     speed_kmh : float
     filter : str
         Filter of the published values, as far as it is known.
@@ -70,7 +77,7 @@ class Reference(Record):
 
     id: str
     title: str
-    case: str
+    cases: tuple[str, ...]
     speed_kmh: float
     filter: str
     source: str
@@ -84,7 +91,9 @@ class ElasticityReference(Record):
 
     Attributes
     ----------
-    id, title, case, source, confidence, note : str
+    id, title, source, confidence, note : str
+    cases : tuple of str
+        Library cases of this line.
     unit : str
     support : float
     droppers : tuple of float
@@ -92,13 +101,31 @@ class ElasticityReference(Record):
 
     id: str
     title: str
-    case: str
+    cases: tuple[str, ...]
     source: str
     confidence: str
     note: str = ""
     unit: Literal["mm/N"]
     support: float
     droppers: tuple[float, ...]
+
+
+class Explanation(Record):
+    """What is known of numbers of a library case that lie off the published ones.
+
+    Attributes
+    ----------
+    case : str
+    speed_kmh : float
+    quantities : tuple of str
+        Quantities it is about.
+    text : str
+    """
+
+    case: str
+    speed_kmh: float
+    quantities: tuple[str, ...]
+    text: str
 
 
 class ReferenceLibrary(Record):
@@ -109,11 +136,13 @@ class ReferenceLibrary(Record):
     schema_version : int
     references : tuple of Reference
     elasticities : tuple of ElasticityReference
+    explanations : tuple of Explanation
     """
 
     schema_version: Literal[1] = Field(alias="schema")
     references: tuple[Reference, ...]
     elasticities: tuple[ElasticityReference, ...] = ()
+    explanations: tuple[Explanation, ...] = ()
 
     def get(self, name: str) -> Reference:
         """Return the reference with an id.
@@ -131,16 +160,38 @@ class ReferenceLibrary(Record):
 
     def of_case(self, case: str, speed: float) -> tuple[Reference, ...]:
         """Return the references of a case at a speed [m/s], within 0.5 km/h."""
-        speed_kmh = to_unit(speed, "km/h")
         return tuple(
             reference
             for reference in self.references
-            if reference.case == case and abs(reference.speed_kmh - speed_kmh) <= 0.5
+            if case in reference.cases and _is_same_speed(reference.speed_kmh, speed)
+        )
+
+    def explain(
+        self, case: str, speed: float, rows: Iterable[ReferenceRow]
+    ) -> tuple[Explanation, ...]:
+        """Return what is known of the rows that lie off the published numbers.
+
+        Parameters
+        ----------
+        case
+            Name of the case.
+        speed
+            [m/s]
+        rows
+            Comparisons of a run of this case.
+        """
+        off = {row.quantity for row in rows if row.is_off}
+        return tuple(
+            found
+            for found in self.explanations
+            if found.case == case
+            and _is_same_speed(found.speed_kmh, speed)
+            and off.intersection(found.quantities)
         )
 
     def elasticities_of_case(self, case: str) -> tuple[ElasticityReference, ...]:
         """Return the published elasticities of a case."""
-        return tuple(entry for entry in self.elasticities if entry.case == case)
+        return tuple(entry for entry in self.elasticities if case in entry.cases)
 
 
 @dataclass(frozen=True)
@@ -179,6 +230,11 @@ class ReferenceRow:
     source: str
     confidence: str
     note: str
+
+    @property
+    def is_off(self) -> bool:
+        """True outside a published range, or more than 5 % off a published value."""
+        return self.inside is False or abs(self.deviation or 0.0) > LARGE_DEVIATION
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row as plain data for JSON, None in place of NaN."""
@@ -355,6 +411,11 @@ def _elasticity_at(elasticity: Elasticity, span: int, kind: str, index: int) -> 
         label = kind if kind == "support" else f"{kind} {index}"
         raise InputError(f"the elasticity holds no {label} of span {span}; compare another span")
     return float(elasticity.elasticity[chosen][0])
+
+
+def _is_same_speed(speed_kmh: float, speed: float) -> bool:
+    """Compare with a speed in m/s, within 0.5 km/h."""
+    return abs(speed_kmh - to_unit(speed, "km/h")) <= 0.5
 
 
 @lru_cache(maxsize=1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -11,7 +12,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
+from tautwire.text import shortened
 
 Kind = Literal["case", "pantograph"]
 _FOLDERS: tuple[tuple[Kind, str, str], ...] = (
@@ -69,7 +71,8 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
     """Write a library file to a place where it can be edited; complete or not at all.
 
     The copy takes the name of the file and can be loaded as it is; what it includes from the
-    library is still found there.
+    library is still found there. The copy of a case names its template: sources hold for what it
+    still has in common with it, its title and description are left to the user.
 
     Parameters
     ----------
@@ -93,10 +96,10 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
     text, target = read_entry(name), Path(path)
     if target.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
-    if target.is_dir() or (target.exists() and not force):
+    if os.path.lexists(target) and (target.is_dir() or not force):
         raise InputError(f"{target}: exists already; choose another name or remove it first")
     write_whole(
-        target, f"# Copied from '{name}' of the tautwire library.\n" + _renamed(text, target)
+        target, f"# Copied from '{name}' of the tautwire library.\n" + _as_own(text, name, target)
     )
     return target
 
@@ -114,10 +117,26 @@ def _index() -> dict[Entry, Traversable]:
     return index
 
 
-def _renamed(text: str, target: Path) -> str:
-    """Give the copy the name of its file, so that its results are not taken for the original's."""
+def _as_own(text: str, origin: str, target: Path) -> str:
+    """Give a copy a name and a template in place of the title and sources of its origin."""
     name = re.sub(r"[^A-Za-z0-9._+-]", "-", target.stem)[:60]
-    return re.sub(r"^name: .*$", f'name: "{name}"', text, count=1, flags=re.MULTILINE)
+    identity = (
+        f'name: "{name}"\n'
+        f"template: {origin}       # numbers left as they are count as taken over from it\n"
+        '# title: ...\n# description: ...\n'
+    )  # fmt: skip
+    if not re.search(r"^name: ", text, re.MULTILINE):
+        return text
+    text = re.sub(r"^(title|description): .*\n(?:[ ]+.*\n)*", "", text, flags=re.MULTILINE)
+    text = re.sub(r"(?m)(?:^#.*\n)*^sources:(?s:.*)\Z", lambda _: _OWN_SOURCES, text)
+    return re.sub(r"^name: .*\n", lambda _: identity, text, count=1, flags=re.MULTILINE)
+
+
+_OWN_SOURCES = """\
+# Where your numbers come from, shown in the report:
+# sources:
+#   - {path: wires.contact.tension, source: drawing 123, confidence: one source}
+"""
 
 
 def write_whole(target: Path, text: str) -> None:
@@ -134,8 +153,9 @@ def write_whole(target: Path, text: str) -> None:
         draft.replace(target)
     except OSError as error:
         raise InputError(
-            f"{target}: cannot be written ({error.strerror or error}); check that the folder "
-            "exists and may be written to"
+            f"{shortened(str(target), 300)}: cannot be written ({error.strerror or error}); "
+            f"{cure_of(error)}"
         ) from None
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # a name too long for the folder has no file either
+            draft.unlink(missing_ok=True)

@@ -99,11 +99,25 @@ def tautwire(
     version: Annotated[
         bool, typer.Option("--version", help="Show the version and the backend in use.")
     ] = False,
+    allow: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--allow",
+            metavar="DIR",
+            help="Let a case include files and tables from this folder too, not only from its own "
+            "(TAUTWIRE_ALLOW does the same); may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Simulate how a railway pantograph and the overhead contact line move together.
 
     CASE is the name of a library case (see "tautwire cases") or a file.
     """
+    if allow:
+        before = os.environ.get("TAUTWIRE_ALLOW", "")
+        folders = [*map(os.path.abspath, allow), *filter(None, [before])]
+        os.environ["TAUTWIRE_ALLOW"] = os.pathsep.join(folders)
     if version:
         from tautwire.cli.about import show_version
 

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
+from tautwire.text import shortened
 
 
 def default_folder(case_name: str) -> Path:
@@ -32,8 +33,7 @@ def prepared_folder(folder: Path) -> Iterator[Path]:
     InputError
         When it cannot be written to.
     """
-    is_new = not folder.exists()
-    _make(folder)
+    is_new = _made(folder)
     try:
         yield folder
     finally:
@@ -41,11 +41,15 @@ def prepared_folder(folder: Path) -> Iterator[Path]:
             folder.rmdir()
 
 
-def _make(folder: Path) -> None:
-    cure = "choose another folder with --out"
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out {folder}: is a file, a folder is needed; {cure}")
+def _made(folder: Path) -> bool:
+    """Make a folder that can be written to; tell whether there was none."""
+    named = shortened(str(folder), 300)
     try:
+        is_new = not folder.exists()
+        if not is_new and not folder.is_dir():
+            raise InputError(
+                f"--out {named}: is a file, a folder is needed; choose another folder with --out"
+            )
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f".tautwire-{os.getpid()}.part"
         probe.touch()
@@ -53,8 +57,10 @@ def _make(folder: Path) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
-            f"--out {folder}: cannot be written to ({reason}); {cure}, or change its permissions"
+            f"--out {named}: cannot be written to ({reason}); {cure_of(error)}, or "
+            "choose another folder with --out"
         ) from None
+    return is_new
 
 
 class Files:
@@ -88,8 +94,6 @@ class Files:
             self.problems += error.problems
         except (OSError, RuntimeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            self.problems.append(
-                f"{path}: cannot be written ({reason}); check free space and permissions"
-            )
+            self.problems.append(f"{path}: cannot be written ({reason}); {cure_of(error)}")
         else:
             self.written[name] = str(path)

@@ -89,6 +89,15 @@ def study(
             show_default=False,
         ),
     ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(
+            "--shard",
+            metavar="I/N",
+            help="Compute part I of N only, for job arrays; all parts share one folder.",
+            show_default=False,
+        ),
+    ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Keep the cases that are finished in the folder.")
     ] = False,
@@ -104,9 +113,11 @@ def study(
     """
     with answering(as_json) as answer:
         from tautwire.cli.commands.study import StudyRequest, run_study_file
+        from tautwire.studies.plan import WHOLE, Shard
         from tautwire.studies.run import Options
 
-        options = Options(resume=resume or retry_failed, retry_failed=retry_failed)
+        part = WHOLE if shard is None else Shard.parse(shard)
+        options = Options(resume or retry_failed, retry_failed, shard=part)
         run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out))
 
 

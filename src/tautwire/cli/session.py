@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from tautwire.cli.json_text import to_json
-from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
+from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError, cure_of
+from tautwire.text import shortened
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -198,9 +199,9 @@ def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
         cure = "use fewer spans (line.spans) or nodes (settings.nodes_between_droppers)"
         return "memory", [f"there is not enough memory; {cure}"], FAILED
     if isinstance(error, OSError):
-        what = f"{error.filename}: " if error.filename else ""
+        what = f"{shortened(str(error.filename), 300)}: " if error.filename else ""
         reason = error.strerror or str(error)
-        return "system", [f"{what}{reason}; check free space and permissions"], FAILED
+        return "system", [f"{what}{reason}; {cure_of(error)}"], FAILED
     return "internal", [_unexpected(error)], FAILED
 
 
@@ -213,6 +214,6 @@ def _unexpected(error: BaseException) -> str:
 
 
 def _console(*, stderr: bool) -> Console:
-    from rich.console import Console
+    from tautwire.cli.views.console import PlainConsole
 
-    return Console(stderr=stderr, markup=False, highlight=False, emoji=False)
+    return PlainConsole(stderr=stderr, markup=False, highlight=False, emoji=False)

@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.catalogue.entries import list_entries, read_entry
+from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
+from tautwire.inputs import inheritance
+from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
 from tautwire.inputs.documents import SUFFIXES, parse_document
-from tautwire.inputs.files import did_you_mean, neighbours, read_case_text
+from tautwire.inputs.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.line_tables import (
     Overlay,
     read_dropper_table,
@@ -22,7 +25,15 @@ from tautwire.inputs.line_tables import (
 )
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
+from tautwire.inputs.paths import (
+    PathError,
+    fields_by_key,
+    find_target,
+    format_path,
+    parse_path,
+    value_at,
+)
+from tautwire.inputs.reach import Reach
 from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 
 MAX_DOCUMENTS = 100
@@ -35,6 +46,8 @@ _TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
     "supports": (read_support_table, ("line", "supports")),
     "droppers": (read_dropper_table, ("droppers",)),
 }
+_OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
+"""Keys of a document that are no values of a case."""
 _UNEVENNESS = ("irregularities", "unevenness")
 
 
@@ -79,7 +92,9 @@ class Composition:
     problems
         Sentences about tables that could not be used.
     incomplete
-        Top-level keys that lack the content of such a table.
+        Top-level keys that lack the content of such a table, and mappings that lack what they use.
+    shelf
+        The catalogue with the own files of the case.
     """
 
     label: str
@@ -87,6 +102,7 @@ class Composition:
     origins: dict[ValuePath, str] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
     incomplete: set[str] = field(default_factory=set)
+    shelf: Shelf = field(default_factory=package_shelf)
 
 
 def compose(name_or_path: str | Path) -> Composition:
@@ -98,13 +114,20 @@ def compose(name_or_path: str | Path) -> Composition:
         When a file cannot be read or parsed, or an include cannot be resolved.
     """
     document = find_document(name_or_path, Path())
-    composer = _Composer(Composition(document.label))
-    part = composer.document(document, (), ())
-    result = composer.result
-    result.values = {**part.values}
-    if part.sources:
-        result.values.setdefault("sources", part.sources)
-    return result
+    composer = _Composer(Composition(document.label), Reach.of(document.folder))
+    return composer.compose(document)
+
+
+def compose_data(data: Mapping[str, Any]) -> Composition:
+    """Put together a case given as plain data; what it includes is found where the program runs.
+
+    Raises
+    ------
+    InputError
+        When an include cannot be resolved.
+    """
+    document = Document("case", "case", Path(), dict(data))
+    return _Composer(Composition("case"), Reach.of(Path())).compose(document)
 
 
 def find_document(reference: str | Path, folder: Path | None) -> Document:
@@ -120,14 +143,16 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
     path = (folder or Path()) / reference
     if path.suffix.lower() not in SUFFIXES and not os.path.isdir(path):  # noqa: PTH112
         if os.path.isfile(path):  # noqa: PTH113
-            raise InputError(f"{path}: is no case file; its name must end in {', '.join(SUFFIXES)}")
+            raise InputError(
+                f"{named(path)}: is no case file; its name must end in {', '.join(SUFFIXES)}"
+            )
         close = did_you_mean(str(reference), [*_library_names(), *neighbours(path)])
         raise InputError(
-            f"{reference}: there is no such case in the library and no such file{close}; the "
-            f"library holds: {', '.join(_library_names())}"
+            f"{named(str(reference))}: there is no such case in the library and no such file"
+            f"{close}; the library holds: {', '.join(_library_names())}"
         )
-    content = parse_document(read_case_text(path), str(path), path.suffix)
-    return Document(str(path), os.path.realpath(path), path.parent, content)
+    content = parse_document(read_case_text(path), named(path), path.suffix)
+    return Document(named(path), os.path.realpath(path), path.parent, content)
 
 
 @lru_cache(maxsize=8)
@@ -151,25 +176,67 @@ class _Part:
 class _Composer:
     """Walks through the documents of one case; ``at`` is where in the case a mapping stands."""
 
-    def __init__(self, result: Composition) -> None:
+    def __init__(self, result: Composition, reach: Reach) -> None:
         self.result = result
+        self._reach = reach
         self._documents = 0
+
+    def compose(self, document: Document) -> Composition:
+        """Compose the case that a document describes."""
+        part = self.document(document, (), ())
+        self.result.values = {**part.values}
+        if part.sources:
+            self.result.values.setdefault("sources", part.sources)
+        return self.result
 
     def document(self, document: Document, at: ValuePath, trail: Trail) -> _Part:
         """Compose a whole document; the trail names the documents that include it."""
         self._refuse_endless(document, trail)
+        _refuse_foreign(document, at)
         own = dict(document.content)
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
         own = upgraded(own)
         if at:
             own.pop("schema", None)
-        tables = own.pop("tables", None)
+        tables, template = own.pop("tables", None), own.pop("template", None)
         sources = _own_sources(own.pop("sources", []), at, document.label)
+        outer = self.result.shelf
+        self._take_own_catalogue(own.pop("catalogue", None), document)
         overlay = self._tables(tables, own, document)
         part = self._mapping(own, at, document, (*trail, document))
+        if trail:
+            self.result.shelf = outer
         values = merge(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
-        return _Part(values, _united(kept, _sources_of_tables(tables, overlay), sources))
+        begun = self._of_template(template, values, at, document, trail)
+        sources = inheritance.still_stated(sources, values, at)
+        return _Part(values, _united(begun, kept, _sources_of_tables(tables, overlay), sources))
+
+    def _take_own_catalogue(self, given: Any, document: Document) -> None:
+        """Put the own catalogue files of a document before what its includers brought."""
+        if given is None:
+            return
+        try:
+            paths = own_files(given, document.folder, document.label)
+            for path in paths:
+                self._reach.check(path, document.label)
+            self.result.shelf = shelf_with(paths, self.result.shelf)
+        except InputError as error:
+            self.result.problems += error.problems
+
+    def _of_template(
+        self, name: Any, values: Mapping[str, Any], at: ValuePath, document: Document, trail: Trail
+    ) -> Sources:
+        """Return the sources of what a document still has in common with its template."""
+        if name is None:
+            return []
+        if at or name not in _library_names():
+            raise InputError(
+                f"{document.label}: template: got {name!r}; it names the library case of which "
+                f"the file is a copy: {', '.join(_library_names())}"
+            )
+        base = self.document(find_document(name, None), at, (*trail, document))
+        return inheritance.marked(_still_true(base.sources, at, base.values, values), name)
 
     def _refuse_endless(self, document: Document, trail: Trail) -> None:
         self._documents += 1
@@ -181,6 +248,11 @@ class _Composer:
                 f"{document.label}: {MAX_DOCUMENTS} files in all, and {MAX_CHAIN} of which each "
                 f"includes the next, are the limit: {chain}"
             )
+
+    def _included(self, reference: str, document: Document) -> Document:
+        if reference not in _library_names():
+            self._reach.check((document.folder or Path()) / reference, document.label)
+        return find_document(reference, document.folder)
 
     def _mapping(
         self, node: Mapping[str, Any], at: ValuePath, document: Document, trail: Trail
@@ -194,15 +266,42 @@ class _Composer:
                 raise InputError(
                     f"{document.label}: {place}: got {reference!r}; give one library name or file"
                 )
-            base = self.document(find_document(reference, document.folder), at, trail)
+            base = self.document(self._included(reference, document), at, trail)
+            if not at:
+                base = self._inherited(base, reference, document)
+        used = self._used(own, at, document)
         values: dict[str, Any] = {}
         sources: Sources = []
-        for key, value in own.items():
+        for key, value in chosen_variants(own, used.values).items():
             part = self._value(value, (*at, key), document, trail)
             values[key] = part.values[key]
             sources += part.sources
-        merged = merge(base.values, values)
-        return _Part(merged, _united(_still_true(base.sources, at, base.values, merged), sources))
+        return self._over(base, self._over(used, _Part(values, sources), at), at)
+
+    def _inherited(self, base: _Part, reference: str, document: Document) -> _Part:
+        """Leave out what a case never takes over, and mark what a user's case takes over."""
+        values = inheritance.without_identity(base.values, document.label)
+        from_library = reference in _library_names() and document.folder is not None
+        sources = inheritance.marked(base.sources, reference) if from_library else base.sources
+        return _Part(values, sources)
+
+    def _used(self, own: dict[str, Any], at: ValuePath, document: Document) -> _Part:
+        """Take the key 'use' out of a mapping and return what it gives."""
+        if USE not in own:
+            return _Part({}, [])
+        try:
+            return _Part(*write_out(own.pop(USE), own, at, self.result.shelf))
+        except InputError as error:
+            self.result.problems += [f"{document.label}: {text}" for text in error.problems]
+            self.result.incomplete.add(format_path(at))
+            return _Part({}, [])
+
+    @staticmethod
+    def _over(base: _Part, local: _Part, at: ValuePath) -> _Part:
+        """Merge two parts of a mapping; sources of replaced numbers go."""
+        merged = merge(base.values, local.values)
+        kept = _still_true(base.sources, at, base.values, merged)
+        return _Part(merged, _united(kept, local.sources))
 
     def _value(self, value: Any, at: ValuePath, document: Document, trail: Trail) -> _Part:
         """Compose one value; the part holds it under the last step of its path."""
@@ -248,19 +347,24 @@ class _Composer:
     ) -> dict[str, list[float]] | None:
         """Read a table that stands for the columns of a mapping; None when it cannot be used."""
         try:
-            return read((document.folder or Path()) / table)
+            return read(self._table_path(table, document))
         except InputError as error:
             self.result.problems += error.problems
             self.result.incomplete.add(str(at[0]))
             return None
+
+    def _table_path(self, file: str, document: Document) -> Path:
+        path = (document.folder or Path()) / file
+        self._reach.check(path, document.label)
+        return path
 
     def _tables(self, tables: object, own: Mapping[str, Any], document: Document) -> dict[str, Any]:
         """Read the tables of a document and return what they say about the case."""
         overlay: dict[str, Any] = {}
         for name, file in _table_files(tables, document.label).items():
             read, parts = _TABLES[name]
-            path = (document.folder or Path()) / file
             try:
+                path = self._table_path(file, document)
                 found = read(path)
             except InputError as error:
                 self.result.problems += error.problems
@@ -270,6 +374,25 @@ class _Composer:
             self.result.origins.update(found.origins)
             overlay = merge(overlay, found.values)
         return overlay
+
+
+def _refuse_foreign(document: Document, at: ValuePath) -> None:
+    """Refuse a file that has no key of a case, without a word of its content."""
+    target = find_target(at).spec if _leads_somewhere(at) else None
+    own = fields_by_key(target) if target is not None else {}
+    if own and document.content and not {*own, *_OWN_KEYS} & document.content.keys():
+        raise InputError(
+            f"{document.label}: holds none of the keys of {format_path(at) or 'a case'}, which are "
+            f"{', '.join(own)}; check that it is the right file"
+        )
+
+
+def _leads_somewhere(at: ValuePath) -> bool:
+    try:
+        find_target(at)
+    except PathError:
+        return False
+    return True
 
 
 def _check_schema(version: object, label: str) -> None:

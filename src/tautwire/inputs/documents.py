@@ -1,7 +1,8 @@
 """YAML, TOML and JSON texts turned into plain data, refusing what is ambiguous or hostile.
 
-YAML is read with the plain scalars of YAML 1.2: only ``true`` and ``false`` are booleans, ``1e-4``
-is a number, and ``1:30`` or ``2015-01-01`` are texts.
+YAML is read with the plain scalars of YAML 1.2 and without tags: only ``true`` and ``false`` are
+booleans, ``1e-4`` is a number, and ``1:30`` or ``2015-01-01`` are texts. Whatever the language,
+what comes out holds mappings, lists, texts of printable characters, numbers, booleans and nothing.
 """
 
 from __future__ import annotations
@@ -9,15 +10,22 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from collections.abc import Iterator
 from typing import Any
 
 import yaml
 
 from tautwire.errors import InputError
+from tautwire.inputs.grouping import grouped
+from tautwire.text import unprintable
 
 SUFFIXES = (".yaml", ".yml", ".toml", ".json")
 MAX_DEPTH = 30
 MAX_VALUES = 50_000
+MAX_INTEGER = 2**63 - 1
+"""Largest whole number; TOML 1.0 sets the same bound. No value of a case comes near it."""
+MAX_DIGITS = len(str(MAX_INTEGER))
+_TOO_LONG = f"a whole number has more than {MAX_DIGITS} digits; write it as in 1e20"
 _TOO_MANY = (
     f"it holds, or its aliases expand to, more than {MAX_VALUES} values; write values out instead "
     "of using aliases, and keep long tables in CSV files ('tables')"
@@ -39,8 +47,8 @@ def parse_document(text: str, label: str, suffix: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        When the text is malformed, repeats a key, is nested too deeply, expands to too much, or
-        is not a mapping.
+        When the text is malformed, repeats a key, is nested too deeply, expands to too much,
+        holds values of a kind that no case has, or is not a mapping.
     """
     parse = {".toml": _parse_toml, ".json": _parse_json}.get(suffix.lower(), _parse_yaml)
     try:
@@ -50,13 +58,15 @@ def parse_document(text: str, label: str, suffix: str) -> dict[str, Any]:
     except yaml.MarkedYAMLError as error:
         raise InputError(f"{label}: {_yaml_problem(error)}") from None
     except (ValueError, yaml.YAMLError) as error:
-        reason = str(error).splitlines()[0]
-        raise InputError(f"{label}: cannot be read as {_language(suffix)}: {reason}") from None
+        reason = f"cannot be read as {_language(suffix)}: {_reason(error)}"
+        raise InputError(f"{label}: {reason}") from None
     if not isinstance(data, dict):
         raise InputError(
             f"{label}: must be a mapping with keys such as 'line' and 'wires', not {_kind(data)}"
         )
-    _check_depth(data, label)
+    problems = grouped(f"{label}: {place}{fault}" for place, fault in _unfit(data))
+    if problems:
+        raise InputError(problems)
     return data
 
 
@@ -69,21 +79,31 @@ def parse_value(text: str) -> Any:
         When the text is not one YAML value.
     """
     try:
-        return _parse_yaml(text)
+        value = _parse_yaml(text)
     except (yaml.YAMLError, RecursionError) as error:
         problem = getattr(error, "problem", None) or "it cannot be parsed"
         raise ValueError(f"the value {text[:60]!r} is malformed: {problem}") from None
+    for place, fault in _unfit(value):
+        raise ValueError(f"the value {text[:60]!r} cannot be used: {place}{fault}")
+    return value
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe loader with YAML 1.2 scalars, a limit on depth, and no repeated keys."""
+    """Safe loader with YAML 1.2 scalars, no tags, a limit on depth, and no repeated keys."""
 
     yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012
     depth = 0
     values = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Compose a node, unless it lies too deep or there are too many."""
+        """Compose a node, unless it has a tag, lies too deep or there are too many."""
+        event = self.peek_event()
+        tag = getattr(event, "tag", None)
+        if tag is not None:
+            raise yaml.MarkedYAMLError(
+                problem=f"the tag {tag[:60]!r} is not read; write the value alone, text in quotes",
+                problem_mark=event.start_mark,
+            )
         self.depth += 1
         self.values += 1
         if self.depth > MAX_DEPTH:
@@ -123,7 +143,16 @@ _SCALARS = (
 
 
 def _construct_int(loader: _Loader, node: Any) -> int:
-    return int(loader.construct_scalar(node))
+    try:
+        return _whole_number(loader.construct_scalar(node))
+    except ValueError as error:
+        raise yaml.MarkedYAMLError(problem=str(error), problem_mark=node.start_mark) from None
+
+
+def _whole_number(digits: str) -> int:
+    if len(digits) > MAX_DIGITS + 1:  # a sign
+        raise ValueError(_TOO_LONG)
+    return int(digits)
 
 
 for _name, _pattern, _first in _SCALARS:
@@ -179,7 +208,12 @@ def _parse_toml(text: str) -> Any:
 
 
 def _parse_json(text: str) -> Any:
-    return json.loads(text, object_pairs_hook=_distinct_keys, parse_constant=_refuse_constant)
+    return json.loads(
+        text,
+        object_pairs_hook=_distinct_keys,
+        parse_constant=_refuse_constant,
+        parse_int=_whole_number,
+    )
 
 
 def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -195,18 +229,54 @@ def _refuse_constant(word: str) -> Any:
     raise ValueError(f"{word} is not a finite number")
 
 
-def _check_depth(data: Any, label: str) -> None:
-    level: list[Any] = [data]
-    for _ in range(MAX_DEPTH):
-        level = [
-            item
-            for value in level
-            if isinstance(value, (dict, list))
-            for item in (value.values() if isinstance(value, dict) else value)
-        ]
+def _unfit(data: Any) -> Iterator[tuple[str, str]]:
+    """Yield the place and the fault of everything that no case may hold.
+
+    A place ends in ``": "``, so that place and fault make a sentence; the top has none.
+    """
+    level: list[tuple[str, Any]] = [("", data)]
+    count = 0
+    for _ in range(MAX_DEPTH + 1):
+        below: list[tuple[str, Any]] = []
+        for path, value in level:
+            if isinstance(value, dict):
+                for key, item in value.items():
+                    if fault := unprintable(key):
+                        yield _place(path), f"a key {fault}"
+                    below.append((f"{path}.{key}", item))
+            elif isinstance(value, list):
+                below += [(f"{path}[{number}]", item) for number, item in enumerate(value, 1)]
+            elif fault := _unfit_scalar(value):
+                yield _place(path), fault
+        level = below
+        count += len(level)
         if not level:
             return
-    raise InputError(f"{label}: is nested too deeply; {MAX_DEPTH} levels are allowed")
+        if count > MAX_VALUES:
+            yield "", _TOO_MANY
+            return
+    yield "", f"is nested too deeply; {MAX_DEPTH} levels are allowed"
+
+
+def _place(path: str) -> str:
+    return path.lstrip(".") + ": " if path else ""
+
+
+def _unfit_scalar(value: Any) -> str:
+    """Say why a scalar is not read; nothing when it is."""
+    if isinstance(value, str):
+        return unprintable(value)
+    if isinstance(value, int):
+        return _TOO_LONG if abs(value) > MAX_INTEGER else ""
+    if value is None or isinstance(value, float):
+        return ""
+    return f"got a {type(value).__name__}; write a text in quotes, or a number"
+
+
+def _reason(error: Exception) -> str:
+    """Return the first line of what a parser says."""
+    text = str(error).splitlines()[0]
+    return _TOO_LONG if "integer string conversion" in text else text
 
 
 def _yaml_problem(error: yaml.MarkedYAMLError) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import stat
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
+from tautwire.text import shortened
 
 MAX_CASE_BYTES = 1_000_000
 MAX_TABLE_BYTES = 20_000_000
@@ -24,8 +27,8 @@ def read_case_text(path: Path) -> str:
     text = _read_text(path, MAX_CASE_BYTES, "a case file; keep long tables in CSV files ('tables')")
     if not text.strip():
         raise InputError(
-            f"{path}: is empty; 'tautwire cases ac-simple --copy my-line.yaml' writes a file to "
-            "start from"
+            f"{named(path)}: is empty; 'tautwire cases ac-simple --copy my-line.yaml' writes a "
+            "file to start from"
         )
     return text
 
@@ -40,8 +43,13 @@ def read_table_text(path: Path) -> str:
     """
     text = _read_text(path, MAX_TABLE_BYTES, "a table; split the file or thin out its rows")
     if not text.strip():
-        raise InputError(f"{path}: is empty; a table has a header row and one row per item")
+        raise InputError(f"{named(path)}: is empty; a table has a header row and one row per item")
     return text
+
+
+def named(path: Path | str) -> str:
+    """Return a path as messages name it: complete, unless it is far too long."""
+    return shortened(str(path), 300)
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str:
@@ -63,13 +71,26 @@ def _read_text(path: Path, limit: int, use: str) -> str:
     size = _size_of_regular_file(path)
     if size > limit:
         raise InputError(
-            f"{path}: has {size / 1e6:.1f} MB; at most {limit / 1e6:g} MB are read as {use}"
+            f"{named(path)}: has {size / 1e6:.1f} MB; at most {limit / 1e6:g} MB are read as {use}"
         )
     try:
-        content = path.read_bytes()
+        content = _read_bytes(path, limit) if size else b""
     except OSError as error:
         raise InputError(_unreadable(path, error)) from None
     return _decoded(path, content)
+
+
+def _read_bytes(path: Path, limit: int) -> bytes:
+    """Read a file that was regular a moment ago, without waiting for anything.
+
+    Files of the kernel, as in ``/proc``, say that they are empty and are not read at all: some
+    wait for events, some never end.
+    """
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    with open(os.open(path, flags), "rb") as stream:  # noqa: PTH123
+        if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "not a regular file")
+        return stream.read(limit)
 
 
 def _size_of_regular_file(path: Path) -> int:
@@ -77,19 +98,20 @@ def _size_of_regular_file(path: Path) -> int:
         status = path.stat()
     except FileNotFoundError:
         hint = did_you_mean(path.name, neighbours(path))
-        raise InputError(f"{path}: there is no such file{hint or '; check the path'}") from None
+        where = f"{named(path)}: there is no such file"
+        raise InputError(f"{where}{hint or '; check the path'}") from None
     except (OSError, ValueError) as error:
         raise InputError(_unreadable(path, error)) from None
     if stat.S_ISDIR(status.st_mode):
-        raise InputError(f"{path}: is a directory; give the path of a file in it")
+        raise InputError(f"{named(path)}: is a directory; give the path of a file in it")
     if not stat.S_ISREG(status.st_mode):
-        raise InputError(f"{path}: is not a regular file; give the path of a text file")
+        raise InputError(f"{named(path)}: is not a regular file; give the path of a text file")
     return status.st_size
 
 
 def _unreadable(path: Path, error: Exception) -> str:
     reason = getattr(error, "strerror", None) or str(error)
-    return f"{path}: cannot be read ({reason}); check the path and its permissions"
+    return f"{named(path)}: cannot be read ({reason}); {cure_of(error)}"
 
 
 def _decoded(path: Path, content: bytes) -> str:
@@ -97,9 +119,9 @@ def _decoded(path: Path, content: bytes) -> str:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: is not UTF-8 text (byte {error.start + 1}); save it as UTF-8, and check "
-            "that it is a text file"
+            f"{named(path)}: is not UTF-8 text (byte {error.start + 1}); save it as UTF-8, and "
+            "check that it is a text file"
         ) from None
     if "\0" in text:
-        raise InputError(f"{path}: is a binary file; a text file is needed")
+        raise InputError(f"{named(path)}: is a binary file; a text file is needed")
     return text

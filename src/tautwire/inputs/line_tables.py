@@ -10,6 +10,7 @@ from typing import Any
 
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.tables import COUNT, Column, Table, read_table
+from tautwire.specs.line.catenary import MOST_SPANS
 
 SUPPORT_COLUMNS = (
     Column("support", COUNT, required=True),
@@ -29,6 +30,12 @@ DROPPER_COLUMNS = (
     Column("presag", "m"),
     Column("length", "m"),
 )
+MOST_DROPPER_ROWS = 50 * MOST_SPANS
+"""Rows of a dropper table: fifty to a span are more than twice as many as any built line has."""
+MOST_PROFILE_ROWS = 200_000
+"""Rows of a profile: 20 km at 0.1 m, the finest spacing of recorders."""
+MOST_ROOF_ROWS = 100_000
+"""Rows of a roof motion: 100 s at 1 kHz."""
 ROOF_COLUMNS = (Column("time", "s", required=True), Column("height", "m", required=True))
 PROFILE_COLUMNS = (Column("x", "m", required=True), Column("height", "m", required=True))
 
@@ -62,7 +69,7 @@ def read_support_table(path: Path) -> Overlay:
     InputError
         Naming line and column of everything that is wrong.
     """
-    table = read_table(path, SUPPORT_COLUMNS)
+    table = read_table(path, SUPPORT_COLUMNS, most_rows=MOST_SPANS + 1)
     _check_count(table, "support", table.full_column("support"))
     lengths, length_name = _span_lengths(table)
     names = [
@@ -97,7 +104,7 @@ def read_dropper_table(path: Path) -> Overlay:
     InputError
         Naming line and column of everything that is wrong.
     """
-    table = read_table(path, DROPPER_COLUMNS)
+    table = read_table(path, DROPPER_COLUMNS, most_rows=MOST_DROPPER_ROWS)
     numbers = [int(n) for n in table.full_column("dropper")]
     spans = _check_order(table, [int(n) for n in table.full_column("span")], numbers)
     droppers: dict[str, Any] = {}
@@ -126,7 +133,7 @@ def read_roof_table(path: Path) -> dict[str, list[float]]:
     InputError
         Naming line and column of everything that is wrong.
     """
-    return _columns(read_table(path, ROOF_COLUMNS), ROOF_COLUMNS)
+    return _columns(read_table(path, ROOF_COLUMNS, most_rows=MOST_ROOF_ROWS), ROOF_COLUMNS)
 
 
 def read_profile_table(path: Path) -> dict[str, list[float]]:
@@ -137,7 +144,7 @@ def read_profile_table(path: Path) -> dict[str, list[float]]:
     InputError
         Naming line and column of everything that is wrong.
     """
-    table = read_table(path, PROFILE_COLUMNS)
+    table = read_table(path, PROFILE_COLUMNS, most_rows=MOST_PROFILE_ROWS)
     x = table.full_column("x")
     if len(x) < 2:
         table.problems.append(f"{path}: has one row; a profile has at least two ordinates")

@@ -11,7 +11,8 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
-from tautwire.inputs.composition import Composition, compose
+from tautwire.inputs.composition import Composition, compose, compose_data
+from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import PathError, find_target, parse_path
@@ -51,7 +52,7 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
 
 
 def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
-    """Validate a case given as plain data, as a file would hold it after its includes.
+    """Validate a case given as plain data, as a file would hold it.
 
     Parameters
     ----------
@@ -65,8 +66,7 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
     InputError
         When anything is wrong; every fault is named with its place and its cure.
     """
-    values = {"schema": SCHEMA_VERSION, **data}
-    return _validated(Composition("case", values=values), overrides)
+    return _validated(compose_data({"schema": SCHEMA_VERSION, **data}), overrides)
 
 
 def _refuse_pantograph(reference: str | Path) -> None:
@@ -79,7 +79,7 @@ def _refuse_pantograph(reference: str | Path) -> None:
 
 
 def _validated(composition: Composition, overrides: Overrides) -> Case:
-    data, problems = apply_overrides(composition.values, overrides)
+    data, problems = apply_overrides(composition.values, overrides, composition.shelf)
     for part in composition.incomplete:
         data.pop(part, None)
     if "schema" not in data:
@@ -104,13 +104,13 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
 
 def _unknown_sources(data: Mapping[str, Any]) -> list[str]:
     """Name the entries of 'sources' whose path leads to nothing."""
-    problems = []
+    problems: dict[str, str] = {}
     entries = data.get("sources")
     for entry in entries if isinstance(entries, list) else []:
         path = entry.get("path") if isinstance(entry, Mapping) else None
-        if isinstance(path, str):
+        if isinstance(path, str) and path not in problems:
             try:
                 find_target(parse_path(path))
             except PathError as error:
-                problems.append(f"sources: the path {path!r} leads to nothing: {error}")
-    return problems
+                problems[path] = f"sources: the path {path!r} leads to nothing: {error}"
+    return grouped(problems.values())

@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from tautwire.inputs.files import did_you_mean
+from tautwire.inputs.grouping import pattern, thinned, with_count
 from tautwire.inputs.paths import (
     Path,
     Target,
@@ -73,11 +74,24 @@ def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) ->
     origins
         Where single values were read from, such as a cell of a table.
     """
-    faults = error.errors(include_url=False)
-    problems = [problem for fault in faults for problem in _problems(fault, data)]
-    if all(fault["loc"] for fault in faults):
-        problems += find_contradictions(_valid_parts(data))
-    return list(dict.fromkeys(_sentence(problem, data, origins) for problem in problems))
+    faults = thinned(((fault, 0) for fault in error.errors(include_url=False)), _kind_of_fault)
+    problems = [(problem, more) for fault, more in faults for problem in _problems(fault, data)]
+    if all(fault["loc"] for fault, _ in faults):
+        problems += [(problem, 0) for problem in find_contradictions(_valid_parts(data))]
+    told = thinned(dict.fromkeys(problems), _kind_of_problem)
+    return [with_count(_sentence(problem, data, origins), more) for problem, more in told]
+
+
+def _kind_of_fault(fault: ErrorDetails) -> tuple[str, ...]:
+    """Tell which faults are alike: of one type, in the same field of whichever item of a list."""
+    names = [step for step in fault["loc"] if isinstance(step, str)]
+    return (fault["type"], *(names[:-1] if fault["type"] == "extra_forbidden" else names))
+
+
+def _kind_of_problem(problem: Problem) -> tuple[str, ...]:
+    names = [step for step in problem.path if isinstance(step, str)]
+    is_unknown_key = problem.text.startswith(("unknown key", "not modelled"))
+    return (pattern(problem.text), *(names[:-1] if is_unknown_key else names))
 
 
 def place_of(path: Path, data: Data) -> str:

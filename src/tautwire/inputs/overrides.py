@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from tautwire.catalogue.shelf import Shelf, package_shelf
+from tautwire.errors import InputError
+from tautwire.inputs.completion import USE, write_out
 from tautwire.inputs.documents import parse_value
 from tautwire.inputs.merge import clear_excluded
 from tautwire.inputs.paths import Path, PathError, find_target, format_path, parse_path, value_at
@@ -17,7 +20,9 @@ PROTECTED = ("schema", "sources")
 OVERRIDDEN = "Set for this run"
 
 
-def apply_overrides(data: Mapping[str, Any], overrides: Overrides) -> tuple[Data, list[str]]:
+def apply_overrides(
+    data: Mapping[str, Any], overrides: Overrides, shelf: Shelf | None = None
+) -> tuple[Data, list[str]]:
     """Return the case with some values replaced, and the problems met.
 
     Parameters
@@ -27,7 +32,10 @@ def apply_overrides(data: Mapping[str, Any], overrides: Overrides) -> tuple[Data
     overrides
         Values by path, or texts ``path=value``. Indices count from 1. Setting
         ``scenario.mean_force`` clears ``scenario.uplift_force`` and the reverse. A value that holds
-        for all spans, supports or pantographs is spread out when one item of it is set.
+        for all spans, supports or pantographs is spread out when one item of it is set. Setting
+        ``use`` sets every number of the catalogue entry named.
+    shelf
+        The catalogue; by default that of the package.
     """
     result, problems = dict(data), []
     pairs, malformed = _pairs(overrides)
@@ -35,11 +43,26 @@ def apply_overrides(data: Mapping[str, Any], overrides: Overrides) -> tuple[Data
     for text, value in pairs:
         try:
             path = parse_path(text)
+            if path[-1] == USE:
+                result = _with_entry(result, path[:-1], value, shelf or package_shelf())
+                continue
             _check_path(path)
             result = _replaced(result, path, value)
-        except (PathError, UnitError) as error:
+        except (PathError, UnitError, InputError) as error:
             problems.append(f"override {error}")
     return result, problems
+
+
+def _with_entry(data: Data, at: Path, name: Any, shelf: Shelf) -> Data:
+    """Set what a catalogue entry gives to the mapping at a path."""
+    values, sources = write_out(name, {}, at, shelf)
+    for key, value in values.items():
+        _check_path((*at, key))
+        data = _replaced(data, (*at, key), value)
+    named = [{**source, "source": f"{OVERRIDDEN}: {source['source']}"} for source in sources]
+    replaced = {format_path((*at, key)) for key in values}
+    kept = [source for source in data["sources"] if source["path"] not in replaced]
+    return {**data, "sources": [*kept, *named]}
 
 
 def _pairs(overrides: Overrides) -> tuple[list[tuple[str, Any]], list[str]]:

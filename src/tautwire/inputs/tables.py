@@ -10,18 +10,27 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from io import StringIO
+from math import isfinite
 from pathlib import Path
 
 from tautwire.errors import InputError
-from tautwire.inputs.files import did_you_mean, read_table_text
+from tautwire.inputs.files import did_you_mean, named, read_table_text
+from tautwire.inputs.grouping import grouped
+from tautwire.text import shortened
 from tautwire.units import UnitError, expectation, parse_quantity
 
 COUNT = "#"
-MAX_PROBLEMS = 30
-"""Problems of one table that are listed; the rest is counted."""
+MAX_ROWS = 2_000_000
+"""Rows of a record; more do not fit into the size of file that is read."""
+MAX_COLUMNS = 1000
+"""Columns of a table; recorders write some hundred channels at most."""
+MAX_DIGITS = 400
+"""Characters of a number; the longest that is finite has 309 before its decimal point."""
+MAX_PROBLEMS = 1000
+"""Problems of one table after which the rest of it is not looked at."""
 
 _HEADER = re.compile(r"([^\[\]]+?)\s*(?:\[([^\[\]]*)\])?")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -50,9 +59,12 @@ class Table:
         Values by column name; None for an empty cell. Columns without any value are left out.
     titles
         Column headers as they stand in the file.
+    decimal_comma
+        Whether numbers may be written with a comma, because something else separates the cells.
     """
 
     label: str
+    decimal_comma: bool = False
     lines: list[int] = field(default_factory=list)
     columns: dict[str, list[float | None]] = field(default_factory=dict)
     titles: dict[str, str] = field(default_factory=dict)
@@ -60,7 +72,7 @@ class Table:
 
     def cell(self, row: int, name: str) -> str:
         """Name a cell in the user's words."""
-        return f"{self.label}, line {self.lines[row]}, column {self.titles[name]!r}"
+        return f"{self.label}, line {self.lines[row]}, column '{shortened(self.titles[name])}'"
 
     def complain(self, row: int, name: str, text: str) -> None:
         """Note a problem of one cell."""
@@ -77,12 +89,18 @@ class Table:
     def raise_problems(self) -> None:
         """Raise InputError when there is any problem."""
         if self.problems:
-            listed = self.problems[:MAX_PROBLEMS]
-            more = len(self.problems) - len(listed)
-            raise InputError([*listed, f"{self.label}: {more} more problems"] if more else listed)
+            is_cut = len(self.problems) >= MAX_PROBLEMS
+            rest = [f"{self.label}: the rows after these were not looked at"] if is_cut else []
+            raise InputError([*grouped(self.problems), *rest])
 
 
-def read_table(path: Path, columns: Sequence[Column], *, others_allowed: bool = False) -> Table:
+def read_table(
+    path: Path,
+    columns: Sequence[Column],
+    *,
+    most_rows: int = MAX_ROWS,
+    others_allowed: bool = False,
+) -> Table:
     """Read a table whose columns are known by name.
 
     Parameters
@@ -91,6 +109,8 @@ def read_table(path: Path, columns: Sequence[Column], *, others_allowed: bool = 
         CSV file.
     columns
         The columns the table may or must have.
+    most_rows
+        A longer table is refused before its cells are read.
     others_allowed
         Whether further columns are ignored; otherwise they are refused.
 
@@ -102,76 +122,92 @@ def read_table(path: Path, columns: Sequence[Column], *, others_allowed: bool = 
     Raises
     ------
     InputError
-        Naming line and column of everything that is wrong.
+        Naming line and column of everything that is wrong; a file that has none of the columns is
+        refused without a word of its content.
     """
-    text = read_table_text(path)
+    lines = _lines_with_content(read_table_text(path))
+    if not lines:
+        raise InputError(f"{named(path)}: has no header row; name the columns in the first line")
+    separator = next((s for s in ";\t" if s in lines[0][1]), ",")
+    table = Table(named(path), decimal_comma=separator != ",")
     try:
-        rows = list(_split(text))
+        if lines[0][1].count(separator) >= MAX_COLUMNS:
+            raise InputError(f"{table.label}: has more than {MAX_COLUMNS} columns")
+        titles = _cells(lines[0][1], separator)
+        known = _read_header(table, titles, columns, others_allowed=others_allowed)
+        if len(lines) == 1:
+            raise InputError(f"{table.label}: has a header but no rows")
+        if len(lines) - 1 > most_rows:
+            raise InputError(
+                f"{table.label}: has {len(lines) - 1:,} rows; at most {most_rows:,} are read"
+            )
+        table.columns = {entry.column.name: [] for entry in known if entry is not None}
+        for number, line in lines[1:]:
+            _read_row(table, number, _cells(line, separator), known)
+            if len(table.problems) >= MAX_PROBLEMS:
+                break
     except csv.Error as error:
-        raise InputError(f"{path}: is not a table ({error})") from None
-    table = Table(str(path))
-    if not rows:
-        raise InputError(f"{path}: has no header row; name the columns in the first line")
-    decimal_comma = rows[0].separator in ";\t"
-    known = _read_header(table, rows[0].cells, columns, others_allowed=others_allowed)
-    table.raise_problems()
-    if len(rows) == 1:
-        raise InputError(f"{path}: has a header but no rows")
-    table.columns = {entry[0].name: [] for entry in known if entry is not None}
-    for row in rows[1:]:
-        table.lines.append(row.line)
-        _read_row(table, row.cells, known, decimal_comma=decimal_comma)
+        raise InputError(f"{table.label}: is not a table ({error})") from None
     table.raise_problems()
     _drop_empty_columns(table, columns)
     table.raise_problems()
     return table
 
 
+def _lines_with_content(text: str) -> list[tuple[int, str]]:
+    """Return the lines that are neither empty nor comments, with their numbers."""
+    return [
+        (number, line)
+        for number, line in enumerate(StringIO(text, newline=None), start=1)
+        if line.strip(" \t\n,;") and not line.lstrip().startswith("#")
+    ]
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    quoted = '"' in line
+    cells = next(csv.reader([line], delimiter=separator)) if quoted else line.split(separator)
+    return [cell.strip() for cell in cells]
+
+
 @dataclass(frozen=True)
-class _Row:
-    line: int
-    cells: list[str]
-    separator: str
+class _Known:
+    """A column that is read, and the unit of its cells."""
 
-
-def _split(text: str) -> Iterator[_Row]:
-    separator = ""
-    for number, line in enumerate(StringIO(text, newline=None), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        separator = separator or next((s for s in ";\t" if s in line), ",")
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
-        if any(cells):
-            yield _Row(number, cells, separator)
-
-
-Known = tuple[Column, str] | None
-"""A known column and the unit of its cells; None for a column to be ignored."""
+    column: Column
+    unit: str
 
 
 def _read_header(
-    table: Table, cells: list[str], columns: Sequence[Column], *, others_allowed: bool
-) -> list[Known]:
+    table: Table, titles: list[str], columns: Sequence[Column], *, others_allowed: bool
+) -> list[_Known | None]:
+    """Return what is known about each column, None for one to be ignored."""
     by_name = {column.name: column for column in columns}
-    known: list[Known] = []
-    for title in cells:
-        match = _HEADER.fullmatch(title)
-        name = match.group(1).strip().lower() if match else title
+    matches = [_HEADER.fullmatch(title) for title in titles]
+    names = [m.group(1).strip().lower() if m else "" for m in matches]
+    if not by_name.keys() & set(names):
+        raise InputError(
+            f"{table.label}: is not a table with the columns {', '.join(by_name)}; the first line "
+            "names the columns, at least one of these"
+        )
+    known: list[_Known | None] = []
+    for title, match, name in zip(titles, matches, names, strict=True):
         known.append(None)
         if name not in by_name:
             if not others_allowed:
                 hint = did_you_mean(name, by_name) or f"; known are: {', '.join(by_name)}"
-                table.problems.append(f"{table.label}: unknown column {title!r}{hint}")
+                table.problems.append(f"{table.label}: unknown column '{shortened(title)}'{hint}")
         elif name in table.titles:
             table.problems.append(f"{table.label}: the column {name!r} is given twice")
         else:
             table.titles[name] = title
-            known[-1] = (by_name[name], _unit_of(table, match, by_name[name]))
+            known[-1] = _Known(by_name[name], _unit_of(table, match, by_name[name]))
+    there = shortened(", ".join(titles), 200)
     table.problems += [
-        f"{table.label}: the column {column.name!r} is missing; there are: {', '.join(cells)}"
+        f"{table.label}: the column {column.name!r} is missing; there are: {there}"
         for column in columns
         if column.required and column.name not in table.titles
     ]
+    table.raise_problems()
     return known
 
 
@@ -194,44 +230,44 @@ def _unit_of(table: Table, header: re.Match[str] | None, column: Column) -> str:
     return unit
 
 
-def _read_row(
-    table: Table, cells: list[str], known: Sequence[Known], *, decimal_comma: bool
-) -> None:
-    row = len(table.lines) - 1
+def _read_row(table: Table, line: int, cells: list[str], known: Sequence[_Known | None]) -> None:
+    row = len(table.lines)
+    table.lines.append(line)
     if len(cells) > len(known) and any(cells[len(known) :]):
         table.problems.append(
-            f"{table.label}, line {table.lines[row]}: has {len(cells)} cells for {len(known)} "
-            "columns; check separators and decimal commas"
+            f"{table.label}, line {line}: has {len(cells)} cells for {len(known)} columns; check "
+            "separators and decimal commas"
         )
     for index, entry in enumerate(known):
-        if entry is None:
-            continue
-        column, unit = entry
-        cell = cells[index] if index < len(cells) else ""
-        text = cell.replace(",", ".", 1) if decimal_comma else cell
-        table.columns[column.name].append(_number(table, row, column, text, unit))
+        if entry is not None:
+            text = cells[index] if index < len(cells) else ""
+            value = _number(table, row, entry, text) if text else None
+            table.columns[entry.column.name].append(value)
 
 
-def _number(table: Table, row: int, column: Column, text: str, unit: str) -> float | None:
-    if not text:
-        return None
+def _number(table: Table, row: int, known: _Known, text: str) -> float:
+    column = known.column
     if column.unit == COUNT:
         if text.isdecimal() and 0 < int(text[:9]) < 10**6:
             return float(text)
         table.complain(row, column.name, f"got {text[:40]!r}; expected a number 1, 2, 3 ...")
-    elif not _NUMBER.fullmatch(text):
+        return 0.0
+    digits = text.replace(",", ".", 1) if table.decimal_comma else text
+    if len(digits) > MAX_DIGITS or not _NUMBER.fullmatch(digits):
         table.complain(
             row,
             column.name,
             f"got {text[:40]!r}; cells hold plain numbers, and the unit stands in the header, as "
             f"in '{column.name} [{column.unit}]'",
         )
-    else:
-        try:
-            return parse_quantity(f"{text} {unit}", column.unit)
-        except UnitError as error:
-            table.complain(row, column.name, str(error))
-    return 0.0
+        return 0.0
+    if known.unit == column.unit and isfinite(value := float(digits)):
+        return value
+    try:
+        return parse_quantity(f"{digits} {known.unit}", column.unit)
+    except UnitError as error:
+        table.complain(row, column.name, str(error))
+        return 0.0
 
 
 def _drop_empty_columns(table: Table, columns: Sequence[Column]) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -19,6 +17,7 @@ from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
 from tautwire.specs.case import Source
+from tautwire.text import csv_text
 from tautwire.version import __version__
 
 DOUBTFUL = ("memory", "calibrated")
@@ -276,20 +275,19 @@ def writers(record: Record) -> dict[str, Callable[[Path], object]]:
 
 def record_csv(record: Record) -> str:
     """Return the claims as CSV, one row per claim and filter."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(
-        ("run", "quantity", "unit", "low", "high", "filter", "found", "inside", "verdict", "known")
-    )
+    head = (
+        "run", "quantity", "unit", "low", "high", "filter", "found", "inside", "verdict", "known"
+    )  # fmt: skip
+    rows = []
     for claim in record.claims:
         for kind, value in claim.found.items():
             number = f"{value:.6g}" if math.isfinite(value) else ""
             outcome = {True: "yes", False: "no", None: ""}[claim.inside[kind]]
-            writer.writerow(
+            rows.append(
                 (claim.run, claim.name, claim.unit, f"{claim.low:g}", f"{claim.high:g}",
                  kind, number, outcome, claim.verdict, claim.confidence)
             )  # fmt: skip
-    return out.getvalue()
+    return csv_text(head, rows)
 
 
 def record_html(record: Record) -> str:

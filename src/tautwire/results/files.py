@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, cure_of
 
 
 @contextmanager
@@ -46,11 +46,11 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            f"{final}: cannot be written ({reason}); check free space and permissions, or choose "
-            "another name"
+            f"{final}: cannot be written ({reason}); {cure_of(error)}, or choose another place"
         ) from error
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # a name too long for the folder has no file either
+            draft.unlink(missing_ok=True)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:

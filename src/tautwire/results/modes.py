@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tautwire.text import csv_text
 
 Array = NDArray[np.float64]
 
@@ -148,7 +148,7 @@ class Modes:
         """Return the table of the modes as CSV."""
         head = ("frequency [Hz]", "sensitive wavelength [m]",
                 *(f"share {name} [1]" for name in SHARES), "residual [1]")  # fmt: skip
-        return _csv(head, [[f"{value:.8g}" for value in row.values()] for row in self.rows()])
+        return csv_text(head, [[f"{value:.8g}" for value in row.values()] for row in self.rows()])
 
     def shapes_csv(self) -> str:
         """Return the vertical mode shape of all wires at their nodes as CSV.
@@ -165,12 +165,4 @@ class Modes:
                 column[np.searchsorted(s, wire.s)] = wire.displacements[number, :, 2]
                 columns.append(column)
         rows = zip(*columns, strict=True)
-        return _csv(head, [["" if np.isnan(v) else f"{v:.6g}" for v in row] for row in rows])
-
-
-def _csv(head: Any, rows: list[list[str]]) -> str:
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(rows)
-    return out.getvalue()
+        return csv_text(head, [["" if np.isnan(v) else f"{v:.6g}" for v in row] for row in rows])

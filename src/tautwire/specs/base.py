@@ -90,6 +90,9 @@ class Spec(BaseModel):
     named_items: ClassVar[type[Spec] | None] = None
     """What a spec with keys of any name holds under them."""
 
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ()
+    """Kinds of catalogue entries that ``use`` may name in a mapping of this spec."""
+
     def with_(self, **changes: Any) -> Self:
         """Return a validated copy with some fields changed.
 

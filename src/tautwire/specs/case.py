@@ -36,6 +36,11 @@ class Source(Spec):
         description="'two sources', 'one source', 'derived' (computed from sourced values), "
         "'memory' (remembered, no document at hand), 'calibrated' (fitted to results) or 'choice'."
     )
+    template: Annotated[str, Typical("ac-simple")] = Field(
+        default="",
+        description="Case or template from which the number was taken over without a check for "
+        "this line; empty when it was given for it.",
+    )
 
 
 class Case(Spec):

@@ -5,6 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.support import Arm, Supports
+from tautwire.specs.line.wire import Wire
+from tautwire.specs.pantograph import Pantograph
 
 JsonSchema = dict[str, Any]
 
@@ -13,14 +17,23 @@ def case_json_schema() -> JsonSchema:
     """Return the JSON Schema of a case file.
 
     Quantities are a number (SI) or a text with a unit; each carries ``unit`` and ``typical``.
-    Every mapping may hold ``include`` instead of its required keys, and the top level ``tables``.
+    Every mapping may hold ``include`` instead of its required keys, one for which the catalogue has
+    entries ``use``, and the top level ``tables``, ``catalogue`` and ``template``.
     """
     schema = _any_of(Case.model_json_schema(by_alias=True, mode="validation"))
     for definition in [schema, *schema["$defs"].values()]:
-        _allow_include(definition)
+        _allow_keys(definition, ("include",))
+    for spec in (Wire, Droppers, Arm, Supports, Pantograph):
+        _allow_keys(schema["$defs"][spec.__name__], ("include", "use"))
     roof = schema["$defs"]["RoofMotion"]
     roof["properties"]["table"] = {"type": "string", "description": "CSV file of time and height."}
     roof["anyOf"].append({"required": ["table"]})
+    files = {"anyOf": [_NAME, {"type": "array", "items": _NAME}]}
+    schema["properties"]["catalogue"] = {**files, "description": "Own catalogue files."}
+    schema["properties"]["template"] = {
+        **_NAME,
+        "description": "Library case of which the file is a copy.",
+    }
     schema["properties"]["tables"] = {
         "type": "object",
         "description": "CSV files, relative to the case file.",
@@ -42,11 +55,26 @@ def _any_of(node: Any) -> Any:
     return node
 
 
-def _allow_include(definition: JsonSchema) -> None:
-    definition["properties"]["include"] = {
-        "type": "string",
-        "description": "Library name or file whose content this mapping completes or replaces.",
-    }
+def _allow_keys(definition: JsonSchema, keys: tuple[str, ...]) -> None:
+    """Let keys that bring others with them stand in place of the required ones."""
+    for key in keys:
+        definition["properties"][key] = _BRINGING[key]
     required = definition.pop("required", None)
-    if required:
-        definition["anyOf"] = [{"required": required}, {"required": ["include"]}]
+    ways = definition.get("anyOf", [{"required": required}] if required else [])
+    if ways:
+        given = [{"required": [key]} for key in keys]
+        definition["anyOf"] = [*ways, *(way for way in given if way not in ways)]
+
+
+_NAME = {"type": "string"}
+_BRINGING = {
+    "include": {
+        **_NAME,
+        "description": "Library name or file whose content this mapping completes or replaces.",
+    },
+    "use": {
+        "anyOf": [_NAME, {"type": "array", "items": _NAME}],
+        "description": "Catalogue entry, or several, whose numbers this mapping completes or "
+        "replaces.",
+    },
+}

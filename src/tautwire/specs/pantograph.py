@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -89,6 +89,8 @@ class RoofMotion(Spec):
 
 class Pantograph(Spec):
     """A pantograph: stages from the head down, and the forces that lift it."""
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("pantograph",)
 
     name: Name = Field(description="Name used in results, different for each pantograph.")
     behind: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="0; 200 m")] = Field(

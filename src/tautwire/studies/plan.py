@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -46,6 +47,47 @@ class Point:
     changes: Mapping[str, Any]
     key: str
     problems: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One of several parts of a study, for processes that know nothing of each other.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    count : int
+        Parts in all.
+    """
+
+    number: int
+    count: int
+
+    @classmethod
+    def parse(cls, text: str) -> Shard:
+        """Return the part that a text like ``"3/16"`` names.
+
+        Raises
+        ------
+        InputError
+            When it names none.
+        """
+        match = re.fullmatch(r"\s*(\d{1,6})\s*/\s*(\d{1,6})\s*", text)
+        if match is None or not 1 <= int(match[1]) <= int(match[2]):
+            raise InputError(f"--shard: got {text!r}; expected I/N with I from 1 to N, as in 3/16")
+        return cls(int(match[1]), int(match[2]))
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
+    def of(self, keys: Iterable[str]) -> list[str]:
+        """Return its keys: every n-th one, so that parts are alike along every axis."""
+        return list(keys)[self.number - 1 :: self.count]
+
+
+WHOLE = Shard(1, 1)
+"""The only part of a study that is not divided."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +212,7 @@ def _common_reasons(study: Study, points: list[Point]) -> list[str]:
     return [first, *(f"{study.name}: {text} ({count} cases)" for text, count in listed)]
 
 
-def pending(plan: Plan, finished: set[str]) -> Iterator[Point]:
+def pending(plan: Plan, finished: set[str], shard: Shard = WHOLE) -> Iterator[Point]:
     """Yield the first point of every key that has no result yet.
 
     Parameters
@@ -178,7 +220,9 @@ def pending(plan: Plan, finished: set[str]) -> Iterator[Point]:
     plan
     finished
         Keys with a result.
+    shard
+        The part of the study that is wanted.
     """
-    for key, point in plan.by_key.items():
+    for key in shard.of(plan.by_key):
         if key not in finished:
-            yield point
+            yield plan.by_key[key]

@@ -13,7 +13,7 @@ from tautwire.errors import InputError
 from tautwire.specs.study import Study
 from tautwire.studies.execution.executor import Event, Executor, LocalWorkers
 from tautwire.studies.execution.task import FAILED, STANDARD_TASK, Job
-from tautwire.studies.plan import Plan, pending, plan_study
+from tautwire.studies.plan import WHOLE, Plan, Shard, pending, plan_study
 from tautwire.studies.store import FolderLock, Store
 from tautwire.studies.table import StudyTable, collect
 
@@ -80,11 +80,14 @@ class Options:
         With `resume`: compute failed cases again.
     task : str
         ``module:function`` that computes a case.
+    shard : Shard
+        Part of the study to compute; other parts may be computed in the same folder meanwhile.
     """
 
     resume: bool = False
     retry_failed: bool = False
     task: str = STANDARD_TASK
+    shard: Shard = WHOLE
 
 
 def run_study(
@@ -132,11 +135,12 @@ def run_study(
     """
     plan = study if isinstance(study, Plan) else plan_study(study)
     store, chosen = Store(folder), options or Options()
-    with FolderLock(store.folder):
-        store.sweep()
+    with FolderLock(store.folder, str(chosen.shard) if chosen.shard != WHOLE else ""):
+        if chosen.shard == WHOLE:  # drafts may be another part's, which is just writing them
+            store.sweep()
         finished = _kept(plan, store, chosen)
         with executor or LocalWorkers(core_count(), folder) as running:
-            _compute(plan, finished, running, chosen.task, watch)
+            _compute(plan, finished, running, chosen, watch)
         return collect(plan, store)
 
 
@@ -149,15 +153,16 @@ def core_count() -> int:
 
 def _kept(plan: Plan, store: Store, options: Options) -> dict[str, str]:
     """Return the status of the cases that are finished already."""
-    wanted = plan.by_key
     present = store.finished()
+    if options.shard != WHOLE:
+        present &= set(options.shard.of(plan.by_key))
     if present and not options.resume:
         raise InputError(
             f"{store.folder}: holds {len(present)} finished cases; add --resume to keep them and "
             "compute the rest, or choose another folder with --out"
         )
     found: dict[str, str] = {}
-    for key in sorted(present & set(wanted)):
+    for key in sorted(present & set(plan.by_key)):
         row = store.load(key) or {}
         if row.get("status") == FAILED and options.retry_failed:
             Path(store.row_path(key)).unlink(missing_ok=True)
@@ -167,17 +172,21 @@ def _kept(plan: Plan, store: Store, options: Options) -> dict[str, str]:
 
 
 def _compute(
-    plan: Plan, finished: dict[str, str], executor: Executor, task: str, watch: Watch | None
+    plan: Plan,
+    finished: dict[str, str],
+    executor: Executor,
+    options: Options,
+    watch: Watch | None,
 ) -> None:
     """Hand out cases until all are finished or the watch asks to stop."""
-    waiting = deque(pending(plan, set(finished)))
-    progress = _Counter(plan, finished)
+    waiting = deque(pending(plan, set(finished), options.shard))
+    progress = _Counter(len(waiting) + len(finished), finished)
     running = 0
     while True:
         while waiting and executor.room > 0:
             point = waiting.popleft()
             case = plan.case(point).to_dict()
-            executor.submit(Job(point.key, case, task, keep_runs=plan.study.keep_runs))
+            executor.submit(Job(point.key, case, options.task, plan.study.keep_runs))
             running += 1
         if watch is not None and watch(progress.now()):
             return
@@ -192,8 +201,8 @@ def _compute(
 class _Counter:
     """Keeps the figures of the progress."""
 
-    def __init__(self, plan: Plan, finished: dict[str, str]) -> None:
-        self._total, self._resumed = len(plan.by_key), len(finished)
+    def __init__(self, total: int, finished: dict[str, str]) -> None:
+        self._total, self._resumed = total, len(finished)
         self._failed = sum(status == FAILED for status in finished.values())
         self._computed = 0
         self._message = ""

@@ -104,45 +104,58 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 class FolderLock:
-    """Keeps two studies from computing in one folder at the same time.
+    """Keeps two studies from computing the same cases in one folder at the same time.
 
-    The operating system releases the lock when the process ends, however it ends. A folder in which
-    nothing else was written is left as it was found.
+    A whole study has the folder to itself; parts of one share it with other parts. The operating
+    system releases the lock when the process ends, however it ends. A folder in which nothing else
+    was written is left as it was found.
 
     Parameters
     ----------
     folder
         Folder of the study.
+    part
+        Name of the part of a study, as in ``"3/16"``; empty for a whole one.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / LOCK
-        self._file: IO[bytes] | None = None
+    def __init__(self, folder: Path, part: str = "") -> None:
+        self._folder, self._part = folder, part
+        self._held: list[tuple[Path, IO[bytes]]] = []
 
     def __enter__(self) -> FolderLock:
-        try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = self._path.open("ab")
-        except OSError as error:
-            raise InputError(
-                f"{self._path.parent}: cannot be written to ({error.strerror or error}); choose "
-                "another folder"
-            ) from None
-        if not _lock(self._file) or not _is_at(self._file, self._path):
-            self._file.close()
-            raise InputError(
-                f"{self._path.parent}: another study is computing in this folder; wait for it, or "
-                "choose another folder"
-            )
+        self._take(self._folder / LOCK, is_shared=bool(self._part))
+        if self._part:
+            self._take(self._folder / f"{LOCK}-{self._part.replace('/', '-of-')}", is_shared=False)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._file is None:
-            return
+        held, self._held = self._held, []
         with suppress(OSError):  # the folder may have been moved away, or its disk be gone
-            if list(self._path.parent.iterdir()) == [self._path]:
-                self._path.unlink()
-        self._file.close()
+            if set(self._folder.iterdir()) == {path for path, _file in held}:
+                for path, _file in held:
+                    path.unlink()
+        for _path, file in held:
+            file.close()
+
+    def _take(self, path: Path, *, is_shared: bool) -> None:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            file = path.open("ab")
+        except OSError as error:
+            self.__exit__()
+            raise InputError(
+                f"{self._folder}: cannot be written to ({error.strerror or error}); choose "
+                "another folder"
+            ) from None
+        self._held.append((path, file))
+        if not _lock(file, is_shared=is_shared) or not _is_at(file, path):
+            self._held.pop()
+            file.close()
+            self.__exit__()
+            raise InputError(
+                f"{self._folder}: another study is computing in this folder; wait for it, or "
+                "choose another folder"
+            )
 
 
 def _is_at(file: IO[bytes], path: Path) -> bool:
@@ -153,14 +166,14 @@ def _is_at(file: IO[bytes], path: Path) -> bool:
         return False
 
 
-def _lock(file: IO[bytes]) -> bool:
-    """Lock a file without waiting; True when it was free."""
+def _lock(file: IO[bytes], *, is_shared: bool) -> bool:
+    """Lock a file without waiting; True when it was free, or shared by those who hold it."""
     try:
         import fcntl
     except ImportError:  # not POSIX
         return True
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(file, (fcntl.LOCK_SH if is_shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
     except OSError:
         return False
     return True

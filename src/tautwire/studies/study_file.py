@@ -15,7 +15,9 @@ from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
 from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, read_case_text
+from tautwire.inputs.grouping import grouped
 from tautwire.inputs.paths import fields_by_key
+from tautwire.inputs.reach import Reach
 from tautwire.specs.base import ContradictionError, Spec
 from tautwire.specs.study import (
     AXIS_FORMS,
@@ -48,7 +50,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     Parameters
     ----------
     path
-        The file. A base case that is a file is looked for beside it.
+        The file. A base case that is a file is looked for in its folder.
 
     Returns
     -------
@@ -66,7 +68,9 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     study = make_study(data, label=str(file))
     if study.base in {entry.name for entry in list_entries()}:
         return study
-    return study.with_(base=str(file.parent / study.base))
+    base = file.parent / study.base
+    Reach.of(file.parent).check(base, str(file))
+    return study.with_(base=str(base))
 
 
 def make_study(data: Mapping[str, Any], *, label: str = "study") -> Study:
@@ -94,7 +98,7 @@ def make_study(data: Mapping[str, Any], *, label: str = "study") -> Study:
         return Study.model_validate(dict(data))
     except ValidationError as error:
         faults = [text for fault in error.errors(include_url=False) for text in _texts(fault)]
-        raise InputError([f"{label}: {text}" for text in dict.fromkeys(faults)]) from None
+        raise InputError(grouped(f"{label}: {text}" for text in faults)) from None
 
 
 def _texts(fault: ErrorDetails) -> list[str]:

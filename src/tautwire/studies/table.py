@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -20,6 +18,7 @@ from tautwire.studies.axes import AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH, Quantity
 from tautwire.studies.plan import Plan
 from tautwire.studies.store import Row, Store
+from tautwire.text import csv_text
 
 REFUSED, MISSING = "refused", "missing"
 _TEXTS = {
@@ -158,16 +157,15 @@ class StudyTable:
 
     def to_csv(self) -> str:
         """Return one row per case as CSV; units stand in the headers."""
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
         flat = list(self._flat())
         axes = [_headed(axis.name, axis.unit) for axis in self.axes]
-        writer.writerow(["case", *axes, *_TEXTS, *(head for head, _ in flat)])
+        head = ["case", *axes, *_TEXTS, *(head for head, _ in flat)]
+        rows = []
         for number, index in enumerate(np.ndindex(*self.status.shape)):
             values = [_cell(column[number]) for _, column in flat]
             texts = [values_of[index] for values_of in self._told().values()]
-            writer.writerow([number + 1, *self._place(index), *texts, *values])
-        return out.getvalue()
+            rows.append([number + 1, *self._place(index), *texts, *values])
+        return csv_text(head, rows)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one plain mapping per case for JSON: axes, status, reason, key, numbers."""

@@ -10,8 +10,9 @@ from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.shape import find_shape
 from tautwire.inputs.load import load_case, make_case
-from tautwire.model.build import build
+from tautwire.model.build import Model, build
 from tautwire.numerics.motion.backend import Choice
+from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
 
@@ -63,8 +64,18 @@ def run_case(
 ) -> Run:
     """Do the same for a case that is complete."""
     model = build(case)
-    shape = find_shape(model)
-    if case.scenario.target_mean_force() is not None:
+    return run_line(model, find_shape(model), backend=backend, watch=watch)
+
+
+def run_line(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    backend: Choice | None = None,
+    watch: Callable[[int, Progress], bool] | None = None,
+) -> Run:
+    """Do the same for a line whose shape is known."""
+    if model.case.scenario.target_mean_force() is not None:
         return tune_mean_force(model, shape, backend=backend, watch=watch)
     once = None if watch is None else lambda progress: watch(1, progress)
     return simulate(model, shape, backend=backend, watch=once)

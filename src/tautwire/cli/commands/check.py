@@ -35,6 +35,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
             "size": _size(case),
+            "taken_over": _taken_over(case),
         }
     )
     refused = [str(item) for item in advice if item.severity == "refused"]
@@ -45,6 +46,17 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
     answer.show(heading("Wave quantities"), _wave_table(quantities))
     answer.show(heading("Advice"), *_advice_view(advice))
+    for template, paths in _taken_over(case).items():
+        answer.show(heading(f"From {template}, not checked for your line"), ", ".join(paths))
+
+
+def _taken_over(case: Case) -> dict[str, list[str]]:
+    """Return the values taken over from a template, by its name."""
+    taken: dict[str, list[str]] = {}
+    for source in case.sources:
+        if source.template:
+            taken.setdefault(source.template, []).append(source.path)
+    return taken
 
 
 def _size(case: Case) -> dict[str, int]:

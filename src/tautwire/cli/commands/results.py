@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,6 +23,7 @@ from tautwire.report.parts.words import MISSING, number, readable
 from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import load_elasticity, load_run
+from tautwire.text import csv_text
 from tautwire.units import UnitError, parse_quantity
 from tautwire.version import __version__
 
@@ -130,17 +129,14 @@ def compare_run(answer: Answer, path: Path, wanted: Measurement, out: Path | Non
 
 def overlay_csv(compared: MeasurementComparison) -> str:
     """Return both forces over the position as CSV."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(("position [m]", "simulated force [N]", "measured force [N]"))
+    head = ("position [m]", "simulated force [N]", "measured force [N]")
     rows = zip(
         compared.position.tolist(),
         compared.simulated_force.tolist(),
         compared.measured_force.tolist(),
         strict=True,
     )
-    writer.writerows((f"{x:.4f}", f"{a:.4f}", f"{b:.4f}") for x, a, b in rows)
-    return out.getvalue()
+    return csv_text(head, ((f"{x:.4f}", f"{a:.4f}", f"{b:.4f}") for x, a, b in rows))
 
 
 def _comparison_view(compared: MeasurementComparison) -> list[Any]:

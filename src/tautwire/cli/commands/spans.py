@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +15,7 @@ from tautwire.cli.views.tables import facts, heading, table
 from tautwire.formulas.lateral import LongestSpan
 from tautwire.results.files import write_text
 from tautwire.specs.span_table import GaugeRule, SpanTable
+from tautwire.text import csv_text
 from tautwire.version import __version__
 
 _MARKS = {
@@ -97,20 +96,15 @@ def _span(span: LongestSpan) -> str:
 
 def _write(out: Path, spec: SpanTable, rows: Sequence[SpanRow]) -> None:
     """Write one CSV row per radius and wind."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        ["radius_m", "stagger_left_m", "stagger_right_m", "cant_m", "permissible_m", "wind_m_s",
-         "longest_span_m", "governs", "lateral_position_m"]
-    )  # fmt: skip
-    for row in rows:
-        for entry in row.as_dict(spec.wind.speeds)["spans"]:
-            writer.writerow(
-                [_radius(row), *row.curve.stagger, row.curve.cant, f"{row.permissible:.4f}",
-                 entry["wind_m_s"], _cell(entry["longest_m"]), entry["governs"],
-                 _cell(entry["lateral_m"])]
-            )  # fmt: skip
-    write_text(out, text.getvalue())
+    head = ["radius_m", "stagger_left_m", "stagger_right_m", "cant_m", "permissible_m", "wind_m_s",
+            "longest_span_m", "governs", "lateral_position_m"]  # fmt: skip
+    cells = [
+        [_radius(row), *row.curve.stagger, row.curve.cant, f"{row.permissible:.4f}",
+         entry["wind_m_s"], _cell(entry["longest_m"]), entry["governs"], _cell(entry["lateral_m"])]
+        for row in rows
+        for entry in row.as_dict(spec.wind.speeds)["spans"]
+    ]  # fmt: skip
+    write_text(out, csv_text(head, cells))
 
 
 def _cell(value: float | None) -> str:

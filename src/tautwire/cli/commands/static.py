@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -26,6 +24,7 @@ from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import write_text
 from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case
+from tautwire.text import csv_text
 
 
 def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: Path | None) -> None:
@@ -65,17 +64,18 @@ def _write(
 
 def elasticity_csv(elasticity: Elasticity) -> str:
     """Return the elasticity as CSV, one row per point."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
     force = f"{elasticity.force:g} N"
-    writer.writerow(("span", "kind", "index", "position [m]", f"elasticity under {force} [mm/N]"))
-    for span, kind, index, x, value in zip(
+    head = ("span", "kind", "index", "position [m]", f"elasticity under {force} [mm/N]")
+    points = zip(
         elasticity.span.tolist(),
         elasticity.kind,
         elasticity.index.tolist(),
         elasticity.x.tolist(),
         elasticity.elasticity.tolist(),
         strict=True,
-    ):
-        writer.writerow((span, kind, index, f"{x:.4f}", f"{1e3 * value:.6f}"))
-    return out.getvalue()
+    )
+    return csv_text(
+        head,
+        ((span, kind, index, f"{x:.4f}", f"{1e3 * value:.6f}")
+         for span, kind, index, x, value in points),
+    )  # fmt: skip

@@ -18,7 +18,7 @@ from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import duration
-from tautwire.cli.session import FAILED, Answer, OutputError
+from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
 from tautwire.model.preflight import Advice, preflight
@@ -28,7 +28,7 @@ from tautwire.report.parts.words import number
 from tautwire.results.files import write_text
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
-from tautwire.studies.plan import Plan, plan_study
+from tautwire.studies.plan import WHOLE, Plan, plan_study
 from tautwire.studies.run import Options, StudyProgress, core_count, run_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import load_study
@@ -82,9 +82,15 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
         with interrupts.patient():
             elapsed = time.perf_counter() - begin
             answer.document.update(_document(found, watch.last, executor, elapsed))
-            answer.show(*_view(found, watch.last, elapsed))
-            answer.warn(found.mixture().splitlines())
-            _conclude(answer, Files(folder), found, executor, stopped)
+            if stopped is not None:
+                answer.fail("study", [str(stopped)], FAILED)
+            if request.options.shard != WHOLE and found.counts()["missing"]:
+                _leave_to_others(answer, request, folder, found)
+            else:
+                answer.show(*_view(found, watch.last, elapsed))
+                answer.warn(found.mixture().splitlines())
+                _write_files(answer, Files(folder), found, executor)
+            _refuse_failures(answer, found, watch.last)
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
 
@@ -144,13 +150,28 @@ def _tell_advice(answer: Answer, plan: Plan) -> None:
             answer.warn([text])
 
 
-def _conclude(
-    answer: Answer, files: Files, found: StudyTable, executor: Executor, stopped: StudyError | None
+def _leave_to_others(
+    answer: Answer, request: StudyRequest, folder: Path, found: StudyTable
 ) -> None:
-    """Write the files and decide how the command ends."""
+    """Say how far the whole study is, of which a part was computed."""
     counts = found.counts()
-    if stopped is not None:
-        answer.fail("study", [str(stopped)], FAILED)
+    there = found.status.size - counts["missing"]
+    answer.document["files"] = {}
+    answer.show(
+        f"part {request.options.shard}: {there} of {found.status.size} cases of the study are "
+        "finished; when all parts have ended, put the table together with:\n"
+        f"tautwire study {request.study} --out {folder} --resume"
+    )
+
+
+def _write_files(answer: Answer, files: Files, found: StudyTable, executor: Executor) -> None:
+    """Write table, document and report.
+
+    Raises
+    ------
+    OutputError
+        When some cannot be written, unless a failure was told already.
+    """
     text = to_json(answer.document) + "\n"
     files.write("table.csv", lambda path: save_csv(found, path))
     files.write("table.nc", lambda path: save_netcdf(found, path))
@@ -159,11 +180,15 @@ def _conclude(
     files.write("study.html", lambda path: write_study_report(found, path, facts_of_page))
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
-    if stopped is not None:
+    if files.problems and answer.exit_code != DONE:
         answer.warn(files.problems)
     elif files.problems:
         raise OutputError(files.problems)
-    elif not counts["done"] and not counts["missing"]:
+
+
+def _refuse_failures(answer: Answer, found: StudyTable, last: StudyProgress | None) -> None:
+    """End with an error when every case that was wanted has failed."""
+    if answer.exit_code == DONE and last is not None and 0 < last.total == last.failed:
         reasons = [f"{len(f.cases)} × {f.reason}" for f in found.failures()]
         answer.fail("computation", ["every case failed", *reasons], FAILED)
 

@@ -49,6 +49,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         *_losses(statistics),
         heading("Limits", "unverified: nobody compared the limit with the standard's text"),
         _check_table(checks, many=len(run.pantographs) > 1),
+        *(f"{check.name}: {check.explanation}" for check in checks if check.explanation),
     ]
     return parts + reference_view(run, statistics)
 
@@ -164,12 +165,15 @@ def reference_view(run: Run, statistics: RunStatistics) -> list[Any]:
     """Return comparisons with published results of the same reference line and speed."""
     parts: list[Any] = []
     changed = set(changed_inputs(run.case)) - {"scenario.speed"}
-    for reference in load_references().of_case(run.case.name, run.case.scenario.speed):
+    library, name, speed = load_references(), run.case.name, run.case.scenario.speed
+    every: list[ReferenceRow] = []
+    for reference in library.of_case(name, speed):
         rows = compare_with_reference(statistics, reference)
+        every += rows
         known = "remembered, not read" if reference.provisional else "published"
         known += ", for the line as published" if changed else ""
         parts += [heading(reference.title, known), reference_table(rows)]
-    return parts
+    return [*parts, *(own.text for own in library.explain(name, speed, every))]
 
 
 def reference_table(rows: Iterable[ReferenceRow]) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -174,15 +176,26 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
         for name in ("style.css", "figures.js", "animation.js")
     }
     moving = any(isinstance(block, Animation) for part in contents for block in part.blocks)
+    scripts = [without_addresses(get_plotlyjs()), own["figures.js"]]
+    scripts += [own["animation.js"]] if moving else []
     return environment.get_template("page.html.j2").render(
         sections=contents,
         style=own["style.css"],
-        figures_script=own["figures.js"],
-        animation_script=own["animation.js"] if moving else "",
+        scripts=scripts,
+        script_hashes=[script_hash(script) for script in scripts],
         figure_number=count(1).__next__,
-        plotly_script=without_addresses(get_plotlyjs()),
         **masthead,
     )
+
+
+def script_hash(script: str) -> str:
+    """Return the source expression that allows one script: CSP Level 3, section 2.3.1.
+
+    A browser runs the scripts of the page that have a hash in its policy and no others, so that a
+    text which slipped through as HTML stays without effect.
+    """
+    digest = hashlib.sha256(script.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
 
 
 def without_addresses(script: str) -> str:
@@ -191,7 +204,7 @@ def without_addresses(script: str) -> str:
     The chart library carries addresses of map servers and services that no chart of the report
     uses. The page's security policy forbids to reach them; with the addresses gone, nothing on
     the page refers to another machine. Names of XML vocabularies, which are not addresses to be
-    reached, and licence texts in comments stay.
+    reached, and licence texts in comments stay. Line ends become those that a browser hashes.
     """
     quoted = re.sub(r"(?<=[\"'`])https?://(?!www\.w3\.org/)", "offline:", script)
-    return quoted.replace("</script", "<\\/script")
+    return quoted.replace("</script", "<\\/script").replace("\r\n", "\n").replace("\r", "\n")

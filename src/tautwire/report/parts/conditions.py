@@ -192,7 +192,8 @@ def _grouped(sources: Sequence[Source]) -> list[tuple[str, str, list[str]]]:
     """Return text, confidence and paths of the sources, each text once."""
     groups: dict[tuple[str, str], list[str]] = {}
     for source in sources:
-        groups.setdefault((source.source, source.confidence), []).append(source.path)
+        taken = f"From {source.template}, not checked for this line: " if source.template else ""
+        groups.setdefault((taken + source.source, source.confidence), []).append(source.path)
     return [(text, confidence, paths) for (text, confidence), paths in groups.items()]
 
 

@@ -64,7 +64,9 @@ def force_blocks(view: RunView, *, named: bool) -> list[object]:
         return []
     filters = view.statistics.pantographs[0].headline.description
     caption = f"Statistics of {_whose(view, named=named)} beside published results; {filters}."
-    return [*_tables(found, caption), Text(CHANGED, "note")]
+    rows = [row for one in found for row in one.rows]
+    known = library.explain(case.name, case.scenario.speed, rows)
+    return [*_tables(found, caption), *(Text(own.text) for own in known), Text(CHANGED, "note")]
 
 
 def elasticity_blocks(view: RunView, *, named: bool) -> list[object]:

@@ -241,7 +241,9 @@ def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
             if outside
             else "As remembered, every value lies within."
         )
-    return " ".join(parts) or "Every value lies within its limit."
+    known = dict.fromkeys(f"{check.name}: {check.explanation}." for check in every
+                          if check.explanation)  # fmt: skip
+    return " ".join([*parts, *known]) or "Every value lies within its limit."
 
 
 def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> Table:

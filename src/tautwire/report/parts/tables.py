@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +11,7 @@ from tautwire.report.parts.views import WIDE_CUTOFF, filtered_or_none, headline_
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.files import write_text
 from tautwire.results.run import Run
+from tautwire.text import csv_text
 
 
 def dropper_table_csv(equilibrium: Equilibrium) -> str:
@@ -53,7 +51,7 @@ def dropper_table_csv(equilibrium: Equilibrium) -> str:
         ),
         strict=True,
     )
-    return _csv(head, rows)
+    return csv_text(head, rows)
 
 
 def force_history_csv(run: Run, pantograph: str | None = None) -> str:
@@ -93,7 +91,7 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
             if values is not None:
                 head.append(f"force, {lowpass.kind} low-pass {cutoff:g} Hz [N]")
                 columns.append(_texts(values, 4))
-    return _csv(head, zip(*columns, strict=True))
+    return csv_text(head, zip(*columns, strict=True))
 
 
 def write_dropper_table(equilibrium: Equilibrium, path: str | os.PathLike[str]) -> Path:
@@ -111,11 +109,3 @@ def write_force_history(
 def _texts(values: np.ndarray, digits: int) -> list[str]:
     """Return numbers with a fixed count of decimals; not-a-number becomes an empty cell."""
     return [f"{value:.{digits}f}" if np.isfinite(value) else "" for value in values.tolist()]
-
-
-def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(rows)
-    return out.getvalue()

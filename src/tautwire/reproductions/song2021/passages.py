@@ -12,7 +12,7 @@ from typing import Any
 
 from tautwire.specs.study import Study
 
-BASE = "ac-simple"
+BASE = "ac-simple-plane"
 
 MESHES = (9, 12, 15, 18)
 """Nodes between adjacent droppers (NAD) of section III.A."""

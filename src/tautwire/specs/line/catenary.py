@@ -11,6 +11,8 @@ from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, 
 
 SpanLength = Annotated[float, Quantity("m", ge=1.0, le=500.0, typical="40 to 65 m")]
 End = Literal["anchored", "weighted"]
+MOST_SPANS = 1000
+"""Spans of a line; a tension length has about twenty."""
 
 
 class Damping(Spec):
@@ -48,7 +50,7 @@ class Line(Spec):
     A list of span lengths alone also sets the number of spans.
     """
 
-    spans: Annotated[int, Field(ge=1, le=1000, strict=True), Typical("10 to 20")] = Field(
+    spans: Annotated[int, Field(ge=1, le=MOST_SPANS, strict=True), Typical("10 to 20")] = Field(
         description="Number of spans, from anchor to anchor."
     )
     span_length: Annotated[

@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, TABLE, Problem, Quantity, Spec, form_of, refuse
 from tautwire.units import UnitError, parse_quantity
 
+Most = Field(max_length=200)
+"""Droppers of a span; built spans have up to twenty."""
 Position = Annotated[float, Quantity("m", ge=-1000.0, le=1000.0, typical="4.5 m to 60 m")]
 Presag = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0 to 60 mm")]
 Length = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.3 to 2 m")]
 
 Positions = Annotated[
-    Annotated[tuple[Position, ...], Tag(LIST)]
-    | Annotated[tuple[tuple[Position, ...], ...], Tag(TABLE)],
+    Annotated[tuple[Position, ...], Most, Tag(LIST)]
+    | Annotated[tuple[Annotated[tuple[Position, ...], Most], ...], Tag(TABLE)],
     Discriminator(form_of),
 ]
 Presags = Annotated[
-    Annotated[tuple[Presag, ...], Tag(LIST)]
-    | Annotated[tuple[tuple[Presag, ...], ...], Tag(TABLE)],
+    Annotated[tuple[Presag, ...], Most, Tag(LIST)]
+    | Annotated[tuple[Annotated[tuple[Presag, ...], Most], ...], Tag(TABLE)],
     Discriminator(form_of),
 ]
 Lengths = Annotated[
-    Annotated[tuple[Length, ...], Tag(LIST)]
-    | Annotated[tuple[tuple[Length, ...], ...], Tag(TABLE)],
+    Annotated[tuple[Length, ...], Most, Tag(LIST)]
+    | Annotated[tuple[Annotated[tuple[Length, ...], Most], ...], Tag(TABLE)],
     Discriminator(form_of),
 ]
 BySpan = tuple[tuple[float, ...], ...]
@@ -82,6 +84,8 @@ class Droppers(Spec):
     span. A set that counts from the supports (`about: mast`) has one list for all of them, or one
     list per support between the anchors.
     """
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("dropper", "dropper clamps")
 
     from_: str | None = Field(
         default=None,

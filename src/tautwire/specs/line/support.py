@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -35,6 +35,8 @@ def _form_of_messenger_stagger(value: object) -> str:
 
 class Arm(Spec):
     """A steady arm: a bar with mass, hinged at its far end, on the pulling side of the wire."""
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("steady arm",)
 
     length: Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.9 to 1.3 m")] = Field(
         default=1.22, description="Distance from the far hinge to the contact wire, unstrained."
@@ -81,6 +83,8 @@ class Supports(Spec):
     The first and the last hold the wire ends and carry neither steady arm nor messenger spring.
     Lists have one value per support, both anchors included.
     """
+
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("cantilever",)
 
     contact_height: HeightPerSupport = Field(
         default=5.3, description="Height of the contact wire at the supports, above the rails."

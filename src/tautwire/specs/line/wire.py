@@ -20,6 +20,8 @@ ROLES: tuple[Role, ...] = ("contact", "messenger", "auxiliary", "stitch")
 class Wire(Spec):
     """A tensioned wire, uniform along the line."""
 
+    catalogue_kinds: ClassVar[tuple[str, ...]] = ("contact wire", "rope")
+
     tension: Annotated[float, Quantity("N", gt=0.0, le=1e6, typical="10 kN to 30 kN")] = Field(
         description="Mechanical tension, applied at the ends of the wire."
     )

@@ -10,13 +10,17 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.specs.case import Case
 from tautwire.version import __version__
+
+if TYPE_CHECKING:
+    from tautwire.studies.execution.setup import Lines
 
 DONE, FAILED = "done", "failed"
 
@@ -126,10 +130,10 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
     """Simulate the passage, mean force tuned where the case asks for it, and evaluate it."""
     from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
     from tautwire.analyses.force.statistics import contact_statistics
-    from tautwire.analyses.road.pipeline import run_case
+    from tautwire.analyses.road.pipeline import run_line
     from tautwire.signals.filters import Butterworth, SharpLowpass
 
-    run = run_case(case)
+    run = run_line(*_lines().at_rest(case))
     statistics = contact_statistics(run)
     filters = {"sharp": SharpLowpass(), "butterworth": Butterworth(case.settings.filter_order)}
     pantographs, cutoff = [], advise_cutoff(case).frequency
@@ -163,6 +167,14 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "pantographs": pantographs,
     }
     return values, run_bytes(run) if keep_run else None
+
+
+@cache
+def _lines() -> Lines:
+    """Return the lines that this process knows."""
+    from tautwire.studies.execution.setup import Lines
+
+    return Lines()
 
 
 def run_bytes(run: Any) -> bytes:

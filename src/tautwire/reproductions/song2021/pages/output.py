@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +9,7 @@ from pathlib import Path
 from tautwire.reproductions.song2021.pages.page import page_html
 from tautwire.reproductions.song2021.reproduction import SongRecord
 from tautwire.results.files import write_text
+from tautwire.text import csv_text
 
 
 def writers(record: SongRecord) -> dict[str, Callable[[Path], object]]:
@@ -25,18 +24,15 @@ def writers(record: SongRecord) -> dict[str, Callable[[Path], object]]:
 
 def record_csv(record: SongRecord) -> str:
     """Return the evidence as CSV, one row per number."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(
-        ("claim", "section", "verdict", "condition", "quantity", "found", "unit", "published",
-         "limits", "holds")
-    )  # fmt: skip
+    head = ("claim", "section", "verdict", "condition", "quantity", "found", "unit", "published",
+            "limits", "holds")  # fmt: skip
+    rows = []
     for claim in record.claims:
         for item in claim.evidence:
             wanted = "" if item.published is None else f"{item.published:g}"
-            writer.writerow(
+            rows.append(
                 (claim.name, claim.section, claim.verdict, item.condition, item.quantity,
                  f"{item.found:.6g}", item.unit, wanted, item.requirement,
                  "yes" if item.holds else "no")
             )  # fmt: skip
-    return out.getvalue()
+    return csv_text(head, rows)

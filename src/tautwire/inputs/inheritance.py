@@ -1,0 +1,65 @@
+"""What a case takes over from another: never its identity, and no source without its number."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tautwire.inputs.paths import Path as ValuePath
+from tautwire.inputs.paths import PathError, parse_path, value_at
+
+IDENTITY = ("title", "description")
+"""Keys that speak of the case as a whole and hold for no other."""
+
+
+def without_identity(values: Mapping[str, Any], label: str) -> dict[str, Any]:
+    """Return the values of an included case without its title and description.
+
+    Parameters
+    ----------
+    values
+        The included case.
+    label
+        Name of the document that includes it; without a name of its own, the case takes this one.
+    """
+    kept = {key: value for key, value in values.items() if key not in IDENTITY}
+    return kept | ({"name": Path(label).stem[:60]} if "name" in kept else {})
+
+
+def marked(sources: list[Any], template: str) -> list[Any]:
+    """Return sources that say from which template their numbers were taken over."""
+    return [
+        {**source, "template": template} if isinstance(source, Mapping) else source
+        for source in sources
+    ]
+
+
+def still_stated(sources: list[Any], values: Mapping[str, Any], at: ValuePath) -> list[Any]:
+    """Drop the sources that state another value than the case has, and the statements of the rest.
+
+    Parameters
+    ----------
+    sources
+        Entries of ``sources``; one with the key ``value`` holds for that value only.
+    values
+        The mapping in which their paths lead to values.
+    at
+        Path of that mapping in the case.
+    """
+    kept = []
+    for source in sources:
+        if isinstance(source, Mapping) and "value" in source:
+            if not _states(source, values, at):
+                continue
+            source = {key: value for key, value in source.items() if key != "value"}
+        kept.append(source)
+    return kept
+
+
+def _states(source: Mapping[str, Any], values: Mapping[str, Any], at: ValuePath) -> bool:
+    try:
+        path = parse_path(source["path"])
+    except (PathError, TypeError, KeyError, AttributeError):
+        return True  # validation says what is wrong with the path
+    return value_at(values, path[len(at) :]) == source["value"]

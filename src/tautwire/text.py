@@ -1,0 +1,88 @@
+"""Texts made fit to be shown: nothing in them acts on the terminal or spreadsheet around them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import unicodedata
+from collections.abc import Iterable, Sequence
+
+_UNSEEN = frozenset({"Cc", "Cs", "Zl", "Zp"})
+"""Unicode categories: controls, halves of surrogate pairs, separators of lines and paragraphs."""
+_TURNING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Marks that turn the direction of what follows, so that a text reads otherwise than it is."""
+_WHITE = "\t\n\r"
+_ACTING = ("=", "+", "-", "@", "\t", "\r")
+
+
+def unprintable(text: str) -> str:
+    r"""Say which character of a text cannot be shown as it is; nothing where all can.
+
+    Tabs and line ends are allowed.
+
+    Examples
+    --------
+    >>> unprintable("a\x1b[31mb")
+    'holds the control character U+001B; remove it'
+    """
+    if text.isascii() and text.isprintable():
+        return ""
+    for letter in text:
+        if letter not in _WHITE and _acts(letter):
+            return f"holds the control character U+{ord(letter):04X}; remove it"
+    return ""
+
+
+def printable(text: str) -> str:
+    r"""Return a text with every control character written as its number.
+
+    Line ends and tabs stay; ``"\x1b"`` becomes ``"<1B>"``, so that a terminal does not obey it.
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        f"<{ord(letter):02X}>" if letter not in _WHITE and _acts(letter) else letter
+        for letter in text
+    )
+
+
+def shortened(text: str, most: int = 100) -> str:
+    """Return a text for a message: printable, on one line, its middle left out where it is long."""
+    line = " ".join(printable(text).split()) if text.strip() else text
+    half = (most - 5) // 2
+    return line if len(line) <= most else f"{line[:half]} ... {line[-half:]}"
+
+
+def csv_text(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
+    r"""Return a table as CSV whose cells no spreadsheet takes for formulas.
+
+    A spreadsheet computes a cell that begins with ``=``, ``+``, ``-``, ``@``, a tab or a carriage
+    return; an apostrophe before such a text makes it show the text. Numbers are left as they are.
+
+    Examples
+    --------
+    >>> csv_text(("case", "force [N]"), [("=1+1", -2.5)])
+    "case,force [N]\n'=1+1,-2.5\n"
+    """
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow([_cell(value) for value in head])
+    writer.writerows([_cell(value) for value in row] for row in rows)
+    return out.getvalue()
+
+
+def _cell(value: object) -> object:
+    acts = isinstance(value, str) and value.startswith(_ACTING) and not _is_number(value)
+    return f"'{value}" if acts else value
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _acts(letter: str) -> bool:
+    return unicodedata.category(letter) in _UNSEEN or letter in _TURNING

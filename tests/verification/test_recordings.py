@@ -1,0 +1,302 @@
+"""Recordings made from known forces: processing, faults, alignment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tautwire.measured.alignment import Alignment, align
+from tautwire.measured.faults import find_faults, without_faulty_samples
+from tautwire.measured.processing import (
+    AerodynamicCorrection,
+    EvenDistance,
+    Filtering,
+    InertiaCorrection,
+    Processed,
+    process,
+)
+from tautwire.measured.recording import Recording
+from tautwire.measured.summary import force_events, stretch_statistics
+from tautwire.signals.filters import SharpLowpass
+
+from ..recordings import RATE, SPANS, STRIP_MASS, Truth, passage, record
+
+Array = NDArray[np.float64]
+Spoil = Callable[[Recording, np.random.Generator], Recording]
+
+RECORDINGS = [
+    pytest.param(range(4), id="4"),
+    pytest.param(range(4, 60), id="60", marks=pytest.mark.slow),
+]
+SEEDS = [
+    pytest.param(range(3), id="3"),
+    pytest.param(range(3, 20), id="20", marks=pytest.mark.slow),
+]
+
+
+def _sensors(seed: int) -> int:
+    return 2 if seed % 3 == 0 else 4
+
+
+def _made(seed: int) -> Recording:
+    return record(passage(), seed, sensors=_sensors(seed), stagger=seed % 4 != 1)
+
+
+def _corrected(recording: Recording) -> Processed:
+    masses = dict.fromkeys(recording.strips(), STRIP_MASS)
+    clean = without_faulty_samples(recording, find_faults(recording))
+    return process(clean, [InertiaCorrection(masses), Filtering(SharpLowpass(20.0))])
+
+
+def _true_20_hz(time: Array) -> Array:
+    truth = passage()
+    even = np.arange(truth.time[0], truth.time[-1], 1.0 / RATE)
+    smooth = SharpLowpass(20.0).apply(np.interp(even, truth.time, truth.force), 1.0 / RATE)
+    return np.interp(time, even, smooth)
+
+
+@pytest.mark.parametrize("seeds", RECORDINGS)
+def test_processed_force_is_the_true_one(seeds: range) -> None:
+    """Summed, corrected for inertia and filtered, the force is within 2 N rms of the truth up to
+    20 Hz, its mean and standard deviation within 1 %."""
+    for seed in seeds:
+        signal = _corrected(_made(seed))
+        truth = _true_20_hz(signal.time)
+        known = ~np.isnan(signal.force)
+        assert known.all(), seed
+        assert np.sqrt(np.mean((signal.force - truth)[known] ** 2)) < 2.0
+        assert signal.force[known].mean() == pytest.approx(truth[known].mean(), rel=0.01)
+        assert signal.force[known].std() == pytest.approx(truth[known].std(), rel=0.01)
+
+
+@pytest.mark.parametrize("seeds", RECORDINGS)
+def test_clean_recordings_raise_no_alarm(seeds: range) -> None:
+    """No fault is found in clean recordings with noise, vibration and a wheel that drifts."""
+    found = {seed: [f.text for f in find_faults(_made(seed))] for seed in seeds}
+    assert not {seed: texts for seed, texts in found.items() if texts}
+
+
+def _on_sensor(change: Callable[[Array, np.random.Generator], Array]) -> Spoil:
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording:
+        forces = recording.forces.copy()
+        row = int(rng.integers(len(forces)))
+        forces[row] = change(forces[row].copy(), rng)
+        return recording.with_(forces=forces)
+
+    return spoil
+
+
+def _frozen(force: Array, rng: np.random.Generator) -> Array:
+    start = int(rng.integers(500, len(force) - 1500))
+    length = int(rng.integers(50, 800))
+    force[start : start + length] = (np.nan, 0.0, force[start])[int(rng.integers(3))]
+    return force
+
+
+def _spiked(force: Array, rng: np.random.Generator) -> Array:
+    at = rng.integers(100, len(force) - 100, 5)
+    force[at] += rng.choice([-1.0, 1.0], 5) * rng.uniform(60.0, 400.0, 5)
+    return force
+
+
+def _clipped(force: Array, rng: np.random.Generator) -> Array:
+    return np.minimum(force, np.quantile(force, rng.uniform(0.9, 0.98)))
+
+
+def _swapped_strips(recording: Recording, rng: np.random.Generator) -> Recording:
+    return recording.with_(accelerations=recording.accelerations[::-1])
+
+
+def _in_another_unit(recording: Recording, rng: np.random.Generator) -> Recording:
+    return recording.with_(forces=recording.forces / rng.choice([1e3, 10.0, 9.80665]))
+
+
+def _slow_clock(recording: Recording, rng: np.random.Generator) -> Recording:
+    return recording.with_(
+        time=recording.time * (1.0 + rng.choice([-1, 1]) * rng.uniform(0.012, 0.03))
+    )
+
+
+def _jumping(recording: Recording, rng: np.random.Generator) -> Recording:
+    assert recording.distance is not None
+    distance = recording.distance.copy()
+    distance[int(rng.integers(1000, len(distance) - 1000)) :] += rng.uniform(3.0, 40.0)
+    return recording.with_(distance=distance)
+
+
+FAULTS: dict[str, Spoil] = {
+    "drop-out": _on_sensor(_frozen),
+    "spike": _on_sensor(_spiked),
+    "saturation": _on_sensor(_clipped),
+    "swapped sign": _on_sensor(lambda force, _: -force),
+    "wrong unit": _in_another_unit,
+    "dead sensor": _on_sensor(
+        lambda force, rng: 20.0 + np.round(rng.normal(0, 0.3, len(force)), 2)
+    ),
+    "gain": _on_sensor(lambda force, rng: force * (1.0 + rng.choice([-0.1, 0.1]))),
+    "swapped strips": _swapped_strips,
+    "clock drift": _slow_clock,
+    "position jump": _jumping,
+}
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+@pytest.mark.parametrize("kind", FAULTS)
+def test_faults_are_named(kind: str, seeds: range) -> None:
+    """An injected fault is found by its name; at most one in twenty may be missed."""
+    missed = []
+    for seed in seeds:
+        sensors = 4 if kind == "swapped strips" else _sensors(seed)
+        spoiled = FAULTS[kind](
+            record(passage(), seed, sensors=sensors), np.random.default_rng(seed)
+        )
+        if kind not in {fault.kind for fault in find_faults(spoiled)}:
+            missed.append(seed)
+    assert len(missed) <= len(seeds) // 20, missed
+
+
+def test_inertia_of_a_free_strip() -> None:
+    """A strip that touches nothing and shakes on its sensors carries no contact force."""
+    time = np.arange(0.0, 2.0, 1e-3)
+    acceleration = 30.0 * np.sin(2.0 * np.pi * 12.0 * time)
+    recording = Recording(
+        "free", time, 4.0 * acceleration[None], np.array([1]), acceleration[None], np.array([1])
+    )
+    signal = process(recording, [InertiaCorrection({1: 4.0})])
+    assert np.abs(signal.force).max() < 1e-12
+    assert [step.name for step in signal.steps] == ["sum of sensors", "inertia correction"]
+
+
+def test_aerodynamic_correction() -> None:
+    """The table is read linearly over the speed at every sample and held beyond its ends."""
+    time = np.arange(0.0, 1.0, 0.1)
+    speed = np.linspace(20.0, 90.0, len(time))
+    recording = Recording(
+        "air", time, np.full((1, len(time)), 100.0), np.array([1]), np.empty((0, len(time))),
+        np.empty(0, dtype=np.int64), speed=speed,
+    )  # fmt: skip
+    signal = process(recording, [AerodynamicCorrection((40.0, 80.0), (-4.0, -16.0))])
+    expected = 100.0 + np.interp(speed, [40.0, 80.0], [-4.0, -16.0])
+    assert signal.force == pytest.approx(expected)
+
+
+def test_even_distance_keeps_sigma() -> None:
+    """Sampling every 0.25 m keeps the standard deviation up to 20 Hz within 0.2 %, also while the
+    speed changes."""
+    truth = passage()
+    time = np.arange(0.0, truth.time[-1], 1.0 / RATE)
+    force = SharpLowpass(20.0).apply(np.interp(time, truth.time, truth.force), 1.0 / RATE)
+    distance = 60.0 * time + 1.5 * np.sin(2.0 * time)
+    recording = Recording(
+        "even", time, force[None], np.array([1]), np.empty((0, len(time))),
+        np.empty(0, dtype=np.int64), distance=distance,
+    )  # fmt: skip
+    signal = process(recording, [EvenDistance(0.25)])
+    assert signal.distance is not None
+    assert np.diff(signal.distance) == pytest.approx(0.25)
+    there = np.interp(signal.time, time, force)
+    assert signal.force[50:-50].std() == pytest.approx(there[50:-50].std(), rel=2e-3)
+
+
+def test_gaps_stay_gaps() -> None:
+    """Missing samples are never bridged: they are missing in the sum, after the filter (with its
+    reach) and after the change to even distance."""
+    recording = _made(1)
+    forces = recording.forces.copy()
+    forces[0, 3000:3200] = np.nan
+    signal = _corrected(recording.with_(forces=forces))
+    assert np.isnan(signal.force[3000:3200]).all()
+    assert np.isnan(signal.force[3000 - 50])
+    assert not np.isnan(signal.force[3000 - 51])
+    even = EvenDistance(0.25).apply(signal)
+    assert even.missing_share == pytest.approx(signal.missing_share, abs=0.01)
+
+
+def _aligned(recording: Recording, *, search: float = 30.0, start: float = 60.0) -> Alignment:
+    signal = EvenDistance(0.25).apply(_corrected(recording))
+    assert signal.distance is not None
+    truth = passage()
+    computed = _true_20_hz(truth.time)
+    return align(signal.distance + start, signal.force, truth.position, computed, search=search)
+
+
+@pytest.mark.parametrize("seeds", RECORDINGS)
+def test_positions_are_found(seeds: range) -> None:
+    """With a wheel that drifts by 0.3 % and a start that is 3 m off, 95 % of the positions are
+    found within 0.3 m and all within 1 m; never a shift by a span."""
+    truth = passage()
+    for seed in seeds:
+        recording = _made(seed)
+        found = _aligned(recording)
+        assert found.verdict == "aligned", (seed, found.text)
+        assert recording.distance is not None
+        true = np.interp(recording.time, truth.time, truth.position)
+        error = np.abs(found.position(recording.distance + 60.0) - true)
+        assert np.quantile(error, 0.95) < 0.3, (seed, found.text)
+        assert error.max() < 1.0, (seed, found.text)
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+def test_wrong_direction_is_said(seeds: range) -> None:
+    """A record that ran the other way is recognised and not aligned."""
+    for seed in seeds:
+        recording = _made(seed)
+        turned = recording.with_(
+            forces=recording.forces[:, ::-1], accelerations=recording.accelerations[:, ::-1]
+        )
+        assert _aligned(turned, search=60.0).verdict == "wrong direction", seed
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+def test_neighbouring_track_is_said(seeds: range) -> None:
+    """A record of a line with other spans does not match."""
+    truth = passage()
+    for seed in seeds:
+        order = np.random.default_rng(seed).permutation(len(SPANS))
+        place = truth.position * (1.0 + 0.12 * np.sin(truth.position / 170.0 + order[0]))
+        other = Truth(
+            truth.time, truth.position, np.interp(truth.position, place, truth.force), truth.speed
+        )
+        assert _aligned(record(other, seed)).verdict == "does not match", seed
+
+
+def test_equal_spans_are_undecidable() -> None:
+    """Where spans repeat and the start may be off by more than a span, no position is claimed."""
+    x = np.arange(0.0, 1500.0, 0.25)
+    force = 120.0 + 30.0 * np.sin(2.0 * np.pi * x / 50.0) + 8.0 * np.sin(2.0 * np.pi * x / 5.0)
+    found = align(x[:3000] + 200.0, force[800:3800], x, force, search=60.0)
+    assert found.verdict == "undecidable"
+    assert "equal spans" in found.text
+    near = align(x[:3000] + 199.0, force[800:3800], x, force, search=20.0)
+    assert near.verdict == "aligned"
+    assert near.position(np.array([500.0])) == pytest.approx(501.0, abs=0.05)
+
+
+def test_figures_of_stretches() -> None:
+    """Mean, deviation and extremes of each span; a span with gaps tells its measured share, one
+    without any sample has no figures."""
+    position = np.arange(0.0, 30.0, 0.5)
+    force = np.where(position < 10.0, 100.0, 100.0 + 10.0 * (-1.0) ** np.arange(60))
+    force[(position >= 10.0) & (position < 15.0)] = np.nan
+    force[position >= 20.0] = np.nan
+    calm, gappy, empty = stretch_statistics(position, force, [0.0, 10.0, 20.0, 30.0], "abc")
+    assert (calm.mean, calm.standard_deviation, calm.measured_share) == (100.0, 0.0, 1.0)
+    assert (gappy.standard_deviation, gappy.maximum, gappy.measured_share) == (10.0, 110.0, 0.5)
+    assert np.isnan(empty.mean)
+    assert empty.measured_share == 0.0
+
+
+def test_events() -> None:
+    """A loss and a high force are told with duration and extreme; a short one is left out."""
+    time = np.arange(0.0, 1.0, 0.01)
+    force = np.full(100, 100.0)
+    force[20:25], force[50:52], force[80] = -1.0, 260.0, 300.0
+    loss, high = force_events(
+        time, 70.0 * time, force, loss_below=0.0, high_above=250.0, shortest=0.015
+    )
+    assert (loss.kind, high.kind) == ("loss", "high force")
+    assert loss.end - loss.start == pytest.approx(0.05)
+    assert (loss.position, high.extreme) == (pytest.approx(14.0), 260.0)
