@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from tautwire.inputs.files import did_you_mean
 from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
-from tautwire.specs.not_modelled import PAGE, feature_of
+from tautwire.specs.not_modelled import PAGE, feature_of, where_said
 
 Path = tuple[str | int, ...]
 _STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
@@ -128,6 +128,9 @@ def unknown_key(key: str, allowed: Mapping[str, Any]) -> str:
     feature = feature_of(key)
     if feature is not None:
         return f"not modelled yet: {feature}; see the page '{PAGE}'"
+    elsewhere = where_said(key)
+    if elsewhere is not None:
+        return f"unknown key; {elsewhere}"
     if not allowed:
         return "unknown key; nothing can be given below this value"
     listed = ", ".join(allowed)

@@ -73,7 +73,7 @@ def build(case: Case) -> Model:
     """
     line = expand(case)
     mesh = divide(line, case.settings.nodes_between_droppers)
-    drawn = draw_irregularities(case, len(line.hangers))
+    drawn = draw_irregularities(case)
     gravity = case.line.gravity
     lumped = _lumped_masses(line, mesh)
     errors = (drawn.dropper_height, drawn.dropper_length)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.expand import expand
 from tautwire.numerics.motion.stepper import SurfaceProfile
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
@@ -24,18 +25,16 @@ SURFACE_SPACING = 0.005
 _INSTALLATION, _UNEVENNESS = 0, 1
 
 
-def draw_irregularities(case: Case, count: int) -> DrawnIrregularities:
+def draw_irregularities(case: Case) -> DrawnIrregularities:
     """Draw all irregularities of a case.
 
     Parameters
     ----------
     case
         Its ``irregularities`` and ``settings.seed`` decide everything.
-    count
-        Number of droppers of the line.
     """
     spec, seed = case.irregularities, case.settings.seed
-    errors = np.zeros(count)
+    errors = np.zeros(len(expand(case).hangers))
     if spec.installation is not None:
         random = _stream(seed, _INSTALLATION)
         errors = _installation_errors(spec.installation, len(errors), case.line.spans, random)

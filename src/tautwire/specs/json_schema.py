@@ -9,6 +9,7 @@ from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.support import Arm, Supports
 from tautwire.specs.line.wire import Wire
 from tautwire.specs.pantograph import Pantograph
+from tautwire.specs.upgrade import READ_VERSIONS
 
 JsonSchema = dict[str, Any]
 
@@ -34,6 +35,8 @@ def case_json_schema() -> JsonSchema:
         **_NAME,
         "description": "Library case of which the file is a copy.",
     }
+    schema["properties"]["schema"] |= {"enum": list(READ_VERSIONS)}
+    schema["properties"]["schema"].pop("const", None)
     schema["properties"]["tables"] = {
         "type": "object",
         "description": "CSV files, relative to the case file.",

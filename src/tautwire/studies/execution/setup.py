@@ -69,7 +69,7 @@ def key_of_shape(model: Model) -> str:
     line = {name: part for name, part in parts.items() if name not in _NOT_THE_LINE}
     found = hashlib.sha256(json.dumps(line, sort_keys=True).encode())
     errors = model.irregularities.dropper_length, model.irregularities.dropper_height
-    _add(found, (model.form, model.mesh, model.supports, errors))
+    _add(found, (model.form, model.mesh, model.line, errors))
     return found.hexdigest()
 
 
