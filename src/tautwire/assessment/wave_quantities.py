@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from tautwire.line.expand import expand
-from tautwire.line.measures import attachment_intervals, intervals, span_lengths
+from tautwire.line.measures import intervals, span_lengths
+from tautwire.model.mesh import element_lengths
 from tautwire.specs.case import Case
 
 
@@ -168,8 +169,7 @@ def _passing_rows(case: Case) -> list[WaveQuantity]:
     rows = []
     for name, length in passing_lengths(case).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    shortest, _ = attachment_intervals(expand(case))
-    element = shortest / (case.settings.nodes_between_droppers - 1)
+    element, _ = element_lengths(expand(case), case.settings)
     rows.append(
         WaveQuantity(
             "passing of the shortest element (numerical)",

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import attachment_intervals
+from tautwire.model import mesh
 from tautwire.specs.case import Case
 
 Severity = Literal["refused", "warning", "note"]
@@ -93,14 +94,8 @@ def preflight(case: Case) -> tuple[Advice, ...]:
 
 
 def element_lengths(case: Case) -> tuple[float, float]:
-    """Return the lengths of the shortest and of the longest wire element of the mesh [m].
-
-    The intervals between neighbouring attachment points are divided evenly into
-    ``nodes_between_droppers - 1`` elements.
-    """
-    shortest, longest = attachment_intervals(expand(case))
-    elements = case.settings.nodes_between_droppers - 1
-    return shortest / elements, longest / elements
+    """Return the lengths of the shortest and of the longest wire element of the mesh [m]."""
+    return mesh.element_lengths(expand(case), case.settings)
 
 
 def _end_of_passage(case: Case) -> Iterator[Advice]:

@@ -329,7 +329,9 @@ def _write_pantographs(file: h5netcdf.File, records: tuple[PantographRecord, ...
     """Write the histories of all pantographs stacked, missing stages as NaN."""
     n_time, n_stage = file.dimensions["time"].size, file.dimensions["stage"].size
     for entry in layout.PANTOGRAPH:
-        shape = {"time": n_time, "stage": n_stage, "pantograph": len(records)}
+        wires = records[0].wire_forces.shape[1] if records else 0
+        shape = {"time": n_time, "stage": n_stage, "contact_wire": wires}
+        shape["pantograph"] = len(records)
         stacked = np.full([shape[name] for name in entry.dimensions], np.nan)
         for row, record in enumerate(records):
             values = getattr(record, entry.source)
@@ -345,7 +347,10 @@ def _write_pantographs(file: h5netcdf.File, records: tuple[PantographRecord, ...
 
 def _read_pantographs(file: h5netcdf.File) -> tuple[PantographRecord, ...]:
     """Read the records written by :func:`_write_pantographs`."""
-    values = _read_entries(file, layout.PANTOGRAPH)
+    stored = [entry for entry in layout.PANTOGRAPH if entry.name in file.variables]
+    values = _read_entries(file, tuple(stored))
+    if "wire_forces" not in values:  # format 1: one contact wire
+        values["wire_forces"] = values["contact_force"][:, :, None]
     uplift, target = _array(file, "uplift_force"), _array(file, "target_mean")
     counts = _array(file, "stage_count")
     records = []

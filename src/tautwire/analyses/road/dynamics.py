@@ -340,6 +340,8 @@ def _records(
         name: _join([getattr(s, name) for s in steps], (count,))
         for name in ("contact_force", "gap", "wire_height")
     }
+    wires = len(simulation.shape.of_role("contact"))
+    shares = _join([s.path_force for s in steps], (count, wires))
     stages = _join([s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),))
     ends = np.cumsum([len(p.stages) for p in case.pantographs])
     target = case.scenario.target_mean_force()
@@ -355,6 +357,7 @@ def _records(
                 contact_force=joined["contact_force"][:, i],
                 gap=joined["gap"][:, i],
                 wire_height=joined["wire_height"][:, i],
+                wire_forces=shares[:, i],
                 stage_heights=stages[:, ends[i] - len(spec.stages) : ends[i]],
                 active=time >= given.start_time - 1e-12,
             )

@@ -62,7 +62,7 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
 def _size(case: Case) -> dict[str, int]:
     """Return how large the computation will be."""
     line = expand(case)
-    nodes = divide(line, case.settings.nodes_between_droppers).node_count
+    nodes = divide(line, case.settings).node_count
     way = case.line.length() - 2.0 * case.settings.start
     steps = math.ceil(way / case.scenario.speed / case.settings.time_step)
     return {"droppers": len(line.hangers), "dof": 6 * nodes, "steps": max(steps, 0)}
