@@ -8,11 +8,11 @@ contact at 500 kN/m, whose number must be the same.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from passage import line_options
 
 import tautwire as tw
 from tautwire.model.equations import equations
@@ -66,10 +66,7 @@ def losses(block: StepBlock) -> int:
 
 def main() -> None:
     """Integrate and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--spans", type=int, default=17)
-    parser.add_argument("--nodes", type=int, default=9, help="nodes between droppers (NAD)")
-    given = parser.parse_args()
+    given = line_options(__doc__).parse_args()
     print("passage           steps  std N  rms error N  max error N  losses  with full Newton")
     for name, changes in PASSAGES.items():
         line = {"line.spans": given.spans, "settings.nodes_between_droppers": given.nodes}

@@ -74,11 +74,17 @@ def measure(spans: int, nodes: int, seconds: float, backend: str = "auto") -> di
     }
 
 
-def main() -> None:
-    """Read the options and print the measurement."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def line_options(description: str | None) -> argparse.ArgumentParser:
+    """Return a parser that knows the size of the line."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--spans", type=int, default=17)
     parser.add_argument("--nodes", type=int, default=9, help="nodes between droppers (NAD)")
+    return parser
+
+
+def main() -> None:
+    """Read the options and print the measurement."""
+    parser = line_options(__doc__)
     parser.add_argument("--seconds", type=float, default=2.0, help="simulated seconds measured")
     parser.add_argument("--backend", default="auto", choices=["auto", "native", "reference"])
     given = parser.parse_args()

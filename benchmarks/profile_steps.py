@@ -7,12 +7,11 @@ set against the matrix product and the triad of the same process.
 
 from __future__ import annotations
 
-import argparse
 import time
 from dataclasses import dataclass
 
 import machine
-from passage import WARM_UP, prepare
+from passage import WARM_UP, line_options, prepare
 
 from tautwire.numerics.motion.backend import backend_name
 from tautwire.numerics.motion.native_stepper import NativeStepper
@@ -48,10 +47,7 @@ SUBSTITUTION = Work(flops=72 + 72 + 66 + 2 * 6, bytes=2 * (8 * 12 + 4 * (21 + 36
 
 def main() -> None:
     """Measure and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--spans", type=int, default=17)
-    parser.add_argument("--nodes", type=int, default=9, help="nodes between droppers (NAD)")
-    given = parser.parse_args()
+    given = line_options(__doc__).parse_args()
     here = machine.measure()
     stepper, dofs = prepare(given.spans, given.nodes, "native")
     assert isinstance(stepper, NativeStepper)

@@ -34,7 +34,12 @@ if TYPE_CHECKING:
     from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
     from tautwire.results.run import Run
-    from tautwire.results.storage import load_run
+    from tautwire.results.storage import (
+        load_equilibrium,
+        load_run,
+        save_equilibrium,
+        save_run,
+    )
     from tautwire.signals.filters import Butterworth, SharpLowpass
     from tautwire.specs.case import Case
     from tautwire.studies.run import run_study
@@ -65,11 +70,14 @@ __all__ = [
     "find_shape",
     "iterate",
     "load_case",
+    "load_equilibrium",
     "load_run",
     "load_study",
     "modes",
     "run",
     "run_study",
+    "save_equilibrium",
+    "save_run",
     "simulate",
     "write_report",
 ]
@@ -98,11 +106,14 @@ _HOMES = {
     "find_shape": "tautwire.analyses.road.shape",
     "iterate": "tautwire.analyses.road.dynamics",
     "load_case": "tautwire.inputs.load",
+    "load_equilibrium": "tautwire.results.storage",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
     "modes": "tautwire.analyses.vibration.modes",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
+    "save_equilibrium": "tautwire.results.storage",
+    "save_run": "tautwire.results.storage",
     "simulate": "tautwire.analyses.road.dynamics",
     "write_report": "tautwire.report.pages.run_page",
 }

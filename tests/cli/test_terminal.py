@@ -63,7 +63,10 @@ def test_static_files(invoke: Invoke) -> None:
 
 def test_run_for_people(invoke: Invoke) -> None:
     """``run`` shows force, limits and published results, and writes to a folder of its own."""
-    outcome = invoke("run", "ac-simple", *SHORT, "--no-report", "--free-uplift", "120 mm")
+    outcome = invoke(
+        "run", "ac-simple", *SHORT, "--no-report", "--free-uplift", "120 mm",
+        "--out", "tautwire-ac-simple",
+    )  # fmt: skip
     assert outcome.code == 0
     assert "σ 0-20 Hz" in outcome.out
     assert "unverified" in outcome.out

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tautwire.numerics.events.crossings import (
     crossings_between,
     divide_step,
-    lost_spans,
     suspect_times,
 )
 from tautwire.numerics.events.step_control import LossCounter, Task, VariableStep
@@ -49,7 +51,8 @@ class Gaps:
         status = Status.NOT_CONVERGED if step < self.fails_below else Status.RUNNING
         for _ in range(steps if status is Status.RUNNING else 0):
             before, after = self.gap(self.time), self.gap(self.time + step)
-            if until_crossing and np.any((before < 0.0) != (after < 0.0)):
+            known = ~np.isnan(before)
+            if until_crossing and np.any(known & ((before < 0.0) != (after < 0.0))):
                 refused = after
                 break
             self.time += step
@@ -91,12 +94,6 @@ def test_crossings_of_two_contacts_in_order() -> None:
     ]
 
 
-def test_lost_spans_reach_the_ends_of_the_record() -> None:
-    """A contact that is open at an end of the record is lost from or up to there."""
-    spans = lost_spans(np.arange(4.0), np.array([1.0, -1.0, -1.0, 1.0]))
-    assert spans == [(0.0, 0.5), (2.5, 3.0)]
-
-
 @pytest.mark.parametrize(
     ("height", "is_suspect"), [(-0.02, True), (-0.2, False), (0.01, True)], ids=str
 )
@@ -133,6 +130,52 @@ def test_loss_and_contact_within_one_step() -> None:
     assert found == [(1, False), (0, True)]
     assert [c.time for c in divided.crossings] == pytest.approx([0.3, 0.7], abs=1e-6)
     assert len(divided.parts) == 3
+
+
+def test_change_within_the_sub_step_of_another_is_not_forgotten() -> None:
+    """The straight line tells the wrong contact first: the one whose gap bends opens earlier. Both
+    instants are found, in their order."""
+    late = 0.4
+    gaps = Gaps((line(0.6), lambda t: min(30.0 * (t - late), 1.0)))
+    divided = divide_step(gaps, 1.0, gaps.gap(0.0), 1e-9)
+    found = [(c.pantograph, c.opens) for c in divided.crossings]
+    assert found == [(1, True), (0, True)]
+    assert [c.time for c in divided.crossings] == pytest.approx([late, 0.6], abs=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    rates=st.lists(st.floats(20.0, 400.0), min_size=1, max_size=3),
+    enters=st.lists(st.floats(0.0, 0.01), min_size=3, max_size=3),
+)
+def test_events_tell_the_state_of_every_sample(
+    seed: int, rates: list[float], enters: list[float]
+) -> None:
+    """Whatever the gaps of one to three pantographs do, and in whatever state each enters, the
+    instants of a variable step open and close in turn and add up to the state of every sample."""
+    random = np.random.default_rng(seed)
+
+    def gap(rate: float, enter: float) -> Callable[[float], float]:
+        phase, offset = random.uniform(0.0, 2.0 * np.pi), random.uniform(-1.1, 1.1)
+        return lambda t: (
+            float(np.sin(2.0 * np.pi * rate * t + phase) + offset) if t >= enter else np.nan
+        )
+
+    gaps = Gaps(tuple(gap(rate, enter) for rate, enter in zip(rates, enters, strict=False)))
+    chunks = list(VariableStep(1e-3, tolerance=1e-6).integrate(task(gaps, 40)))
+    time = np.concatenate([chunk.steps.time for chunk in chunks])
+    gap_history = np.concatenate([chunk.steps.gap for chunk in chunks])
+    crossings = [c for chunk in chunks for c in chunk.crossings or ()]
+    for number, column in enumerate(gap_history.T):
+        own = [c for c in crossings if c.pantograph == number]
+        assert all(a.opens != b.opens for a, b in pairwise(own))
+        assert all(a.time <= b.time for a, b in pairwise(own))
+        known = np.flatnonzero(~np.isnan(column))
+        state = not own[0].opens if own else bool(len(known) and column[known[0]] >= 0.0)
+        for row in known:
+            passed = [c for c in own if c.time <= time[row] + 1e-9]
+            assert (passed[-1].opens if passed else state) == (column[row] >= 0.0)
 
 
 def test_a_loss_between_two_samples_is_not_seen() -> None:

@@ -8,7 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tautwire.signals.losses import clip_intervals, loss_intervals
+from tautwire.signals.losses import (
+    clip_intervals,
+    contact_changes,
+    counted_intervals,
+    intervals_between,
+    loss_intervals,
+)
 
 
 def test_losses_of_a_sine_last_half_a_period() -> None:
@@ -83,3 +89,58 @@ def test_losses_and_contacts_share_the_record(gap: np.ndarray) -> None:
     assert np.all(start[1:] >= end[:-1])
     total = np.sum(end - start) + np.sum(contact_end - contact_start)
     assert total == pytest.approx(1.0, abs=1e-9)
+
+
+@st.composite
+def histories(draw: st.DrawFn) -> np.ndarray:
+    """Gaps of a pantograph that enters somewhere in the record, in any state, or never."""
+    before = draw(st.integers(0, 5))
+    values = st.sampled_from([-1.0, -0.25, 0.0, 0.5, 2.0]) | st.floats(-1.0, 1.0)
+    known = draw(st.lists(values, max_size=30))
+    return np.array([np.nan] * before + known)
+
+
+@settings(max_examples=300, deadline=None)
+@given(gap=histories())
+def test_state_before_the_first_sample_is_that_of_the_first(gap: np.ndarray) -> None:
+    """A head that enters without touching has lost contact since it entered: as many starts as
+    ends, nothing before the entry, and the changes of contact tell the same intervals."""
+    time = 0.1 * np.arange(gap.size)
+    start, end = loss_intervals(time, gap)
+    known = time[~np.isnan(gap)]
+    assert start.shape == end.shape
+    assert np.all(end > start)
+    instant, opens = contact_changes(time, gap)
+    assert np.all(opens[1:] != opens[:-1])
+    if known.size:
+        lost = gap[~np.isnan(gap)] >= 0.0
+        limits = (float(known[0]), float(known[-1]))
+        again = intervals_between(instant, opens, limits, begins_lost=bool(lost[0]))
+        assert np.array_equal(again, (start, end))
+        assert np.all((start >= known[0]) & (end <= known[-1]))
+        for moment, is_lost in zip(known, lost, strict=True):
+            inside = bool(np.any((start <= moment) & (moment <= end)))
+            assert inside or not is_lost or known.size == 1 or moment in instant
+    else:
+        assert start.size == 0
+    first, last = counted_intervals(time, gap)
+    assert first.shape == last.shape
+    assert np.sum(last - first) == pytest.approx(0.1 * np.sum(gap >= 0.0) * (known.size > 1))
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    opens=st.lists(st.booleans(), max_size=12),
+    begins_lost=st.booleans(),
+)
+def test_changes_in_any_order_give_whole_intervals(opens: list[bool], begins_lost: bool) -> None:
+    """Also events that repeat themselves, as in a damaged record, give intervals that begin and
+    end, in order, inside the record or at the instants given."""
+    instant = 1.0 + np.arange(len(opens))
+    record = (0.5, 20.0)
+    start, end = intervals_between(instant, np.array(opens, bool), record, begins_lost=begins_lost)
+    assert start.shape == end.shape
+    assert np.all(end > start)
+    assert np.all(start[1:] >= end[:-1])
+    if not opens:
+        assert start.size == int(begins_lost)

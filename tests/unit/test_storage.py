@@ -156,7 +156,7 @@ def test_events_and_irregularities_survive(tmp_path: Path) -> None:
         "installation": {"of": "length", "amplitude": 1e-3},
         "unevenness": [{"kind": "gaussian", "spacing": 1.0, "deviation": 1e-3}],
     }
-    case = make_case(spans=3, irregularities=irregularities)
+    case = make_case(spans=3, pantographs=2, irregularities=irregularities)
     events = ContactEvents(np.array([0.1, 0.25]), np.array([0, 1]), np.array([True, False]))
     plain = make_run(case, duration=0.3)
     run = dataclasses.replace(plain, events=events, irregularities=draw_irregularities(case))
@@ -220,8 +220,8 @@ def test_long_case_is_stored(tmp_path: Path) -> None:
 
 
 def test_path_is_taken_as_text(tmp_path: Path) -> None:
-    """``run.save`` takes a name and the file carries exactly that name."""
-    make_run(make_case(spans=2), duration=0.05).save(str(tmp_path / "a.nc"))
+    """``save_run`` takes a name and the file carries exactly that name."""
+    save_run(make_run(make_case(spans=2), duration=0.05), str(tmp_path / "a.nc"))
     assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
 
 

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.pipeline import run_case
+from tautwire.errors import ConvergenceError
 from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.specs.case import Case
 
@@ -140,3 +143,74 @@ def test_transverse_waves_arrive_later_and_are_larger() -> None:
     assert len(before) > 500
     assert len(after) > 300
     assert np.sqrt((before**2).mean()) < 0.25 * np.sqrt((after**2).mean())
+
+
+@pytest.mark.parametrize("method", ["constant", "variable", "adaptive"])
+@pytest.mark.parametrize("forces", [(150.0, 150.0), (150.0, 0.0), (0.0, 150.0), (0.0, 0.0)])
+def test_every_step_control_follows_every_pantograph(
+    method: str, forces: tuple[float, float]
+) -> None:
+    """Whatever the step control and whichever pantograph is lowered, a passage ends with its
+    statistics: a lowered pantograph is without contact all the time, in one loss."""
+    changes = {"settings__time_step": 2e-3, "settings__step_control": {"method": method}}
+    run = run_case(train(2, **changes).with_(**{"scenario.uplift_force": forces}))
+    assert run.status == "done"
+    for entry, force in zip(contact_statistics(run).pantographs, forces, strict=True):
+        loss = entry.contact_loss
+        assert loss.percent < 90.0 if force else loss.percent == pytest.approx(100.0)
+        assert loss.count > 0 if force else loss.count == 1
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("start", [0.0, 0.002, 5.0])
+@pytest.mark.parametrize("ends", ["anchored", "weighted"])
+def test_passage_from_the_anchor_stays_on_the_wire(start: float, direction: str, ends: str) -> None:
+    """A pantograph may start at the anchor itself; the last step ends before the far one, whatever
+    the step, and also where a weight lets the end of the wire move."""
+    held = {"left": "anchored", "right": ends}
+    given = {"settings__start": start, "settings__time_step": 3.3e-3, "line__ends": held}
+    run = run_case(train(1, scenario__direction=direction, **given))
+    assert run.status == "done"
+    position = run.pantographs[0].position
+    assert 0.0 < position.min() < position.max() < 110.0
+    assert np.ptp(position) > 110.0 - 2.0 * start - 1.0
+
+
+@pytest.mark.parametrize("stopped_in", [1, 2, 3])
+def test_stopped_tuning_keeps_the_last_finished_passage(stopped_in: int) -> None:
+    """A tuning that is stopped in its second or third passage keeps the one before as a whole; in
+    its first, what there is of it."""
+    case = train(1).with_(**{"scenario.mean_force": 120.0, "scenario.uplift_guess": 80.0})
+    whole = run_case(case, watch=lambda number, _: number == stopped_in)
+    assert whole.status == "partial"
+    if stopped_in == 1:
+        assert whole.time[-1] < 0.1
+        return
+    assert whole.counters["tuning_passes"] == stopped_in - 1
+    assert whole.time[-1] > 1.5
+    assert f"after passage {stopped_in - 1}, which is kept as a whole" in whole.message
+    assert "instead of 120.0 N" in whole.message
+
+
+def test_failed_tuning_keeps_the_last_finished_passage(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same when a later passage fails, and when Ctrl-C comes between two passages."""
+    from tautwire.analyses.road import mean_force
+
+    simulate, count = mean_force.simulate, [0]
+    case = train(1).with_(**{"scenario.mean_force": 120.0, "scenario.uplift_guess": 80.0})
+
+    def failing(*arguments: Any, **options: Any) -> Any:
+        count[0] += 1
+        if count[0] == 2:
+            raise ConvergenceError("the second passage fails")
+        if count[0] == 4:
+            raise KeyboardInterrupt
+        return simulate(*arguments, **options)
+
+    monkeypatch.setattr(mean_force, "simulate", failing)
+    with pytest.raises(ConvergenceError, match=r"second passage fails.*kept as a whole") as caught:
+        run_case(case)
+    assert caught.value.partial.time[-1] > 1.5
+    kept = run_case(case)
+    assert kept.status == "partial"
+    assert kept.counters["tuning_passes"] == 1

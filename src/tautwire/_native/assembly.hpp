@@ -44,19 +44,17 @@ struct Factors {
     double mass, damping, stiffness;  // of M, C and K
 };
 
-enum class Droppers { none, taut };  // those that take part in a matrix
-
 class Assembly {
 public:
     Assembly(const Line& line, Buffer<StationBlocks>& blocks) : line_(line), blocks_(blocks) {}
 
-    // Sum the blocks for the tangent at `state` and K0 at the static state.
-    void sum(const Factors& factors, const Buffer<Row>& state, Droppers droppers) {
+    // Sum the blocks for the tangent at `state` and K0 at the static state; with `velocity`, droppers
+    // that carry force at that velocity take part, without it none do.
+    void sum(const Factors& factors, const Buffer<Row>& state, const Buffer<Row>* velocity) {
         std::memset(static_cast<void*>(blocks_.data()), 0, blocks_.size() * sizeof(StationBlocks));
         for (int row = 0; row < line_.layout.rows; ++row) {
             for (int wire = 0; wire < 2; ++wire) add_elements(row, wire, factors, state);
-            if (line_.hanger_of[row] >= 0 && droppers == Droppers::taut)
-                add_hangers(row, factors, state);
+            if (line_.hanger_of[row] >= 0 && velocity) add_hangers(row, factors, state, *velocity);
             if (line_.support_of[row] >= 0) add_supports(row, factors, state);
         }
         for (int row = 0; row < line_.layout.rows; ++row)
@@ -129,15 +127,22 @@ private:
                                (i == j ? geometric : 0.0);
     }
 
-    void add_hangers(int row, const Factors& factors, const Buffer<Row>& state) {
+    void add_hangers(int row, const Factors& factors, const Buffer<Row>& state,
+                     const Buffer<Row>& velocity) {
         const Hanger& hanger = line_.hangers[line_.hanger_of[row]];
         const double factor = factors.stiffness + factors.damping * line_.damping_stiffness;
         for (int lane = 0; lane < kLanes; ++lane) {
             if (hanger.stiffness[lane] == 0.0) continue;
-            double w[3], block[3][3] = {};
-            for (int i = 0; i < 3; ++i) w[i] = state[row][1][i][lane] - state[row][0][i][lane];
-            const double length2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-            if (length2 <= hanger.length[lane] * hanger.length[lane]) continue;
+            double w[3], block[3][3] = {}, length = 0.0, rate = 0.0;  // rate: length times speed
+            for (int i = 0; i < 3; ++i) {
+                w[i] = state[row][1][i][lane] - state[row][0][i][lane];
+                length += w[i] * w[i];
+                rate += w[i] * (velocity[row][1][i][lane] - velocity[row][0][i][lane]);
+            }
+            length = std::sqrt(length);
+            const double force = hanger.stiffness[lane] * (length - hanger.length[lane]) +
+                                 hanger.damping[lane] * rate / length;
+            if (!(force > 0.0)) continue;
             add_bar(block, w, factor * hanger.stiffness[lane], hanger.length[lane]);
             StationBlocks& here = blocks_[station(row, lane)];
             for (int i = 0; i < 3; ++i)

@@ -7,13 +7,12 @@
 
 namespace tautwire::TAUTWIRE_ISA {
 
-inline constexpr int kMostPantographs = 16;
-
 // The touched point: `row` is the Hermite row of its element on (r1, r1', r2, r2').
 struct Touch {
     int pantograph, element;
     double x, rise;  // position, and height of the running surface above the wire
     double row[4], height, stiffness, force;
+    double before[4];  // known forces on its element without the contact
 
     double surface() const { return height + rise; }
 };
@@ -92,6 +91,7 @@ private:
 class TouchList {
 public:
     int count = 0;
+    void make_room(std::size_t pantographs) { touches_.grow(pantographs); }
     Touch& operator[](int n) { return touches_[n]; }
     const Touch& operator[](int n) const { return touches_[n]; }
 
@@ -106,13 +106,13 @@ public:
         for (int n = 0; n < count; ++n)
             for (int i = 0; i < 4; ++i) {
                 double& force = place(sweeps, n, i);
-                before_[n][i] = force;
+                touches_[n].before[i] = force;
                 force += weight * touches_[n].force * touches_[n].row[i];
             }
     }
     void release(Sweeps& sweeps) {
         for (int n = count - 1; n >= 0; --n)
-            for (int i = 3; i >= 0; --i) place(sweeps, n, i) = before_[n][i];
+            for (int i = 3; i >= 0; --i) place(sweeps, n, i) = touches_[n].before[i];
     }
 
 private:
@@ -123,8 +123,7 @@ private:
         return lanes[layout.lane(station)];
     }
 
-    Touch touches_[kMostPantographs];
-    double before_[kMostPantographs][4];
+    Buffer<Touch> touches_;
 };
 
 // Contacts in the linear solve: (A + sum kappa n n') x = r by the Sherman-Morrison-Woodbury formula.
@@ -135,6 +134,7 @@ class ContactColumns {
 public:
     template <class P>
     void set(const P& matrix, const TouchList& touches) {
+        columns_.grow(touches.count);
         for (int n = 0; n < touches.count; ++n) {
             double rhs[2][6] = {};
             for (int side = 0; side < 2; ++side) {
@@ -155,32 +155,40 @@ public:
     // the contact's stiffness.
     template <class P>
     void correct(P& matrix, const TouchList& touches, double factor) const {
-        int closed[kMostPantographs], count = 0;
+        Buffer<int> closed(touches.count);
+        int count = 0;
         for (int n = 0; n < touches.count; ++n)
             if (touches[n].force > 0.0) closed[count++] = n;
-        double small[kMostPantographs][kMostPantographs + 1];
+        const int width = count + 1;
+        Buffer<double> small(static_cast<std::size_t>(count) * width);
         for (int i = 0; i < count; ++i) {
             const auto& column = columns_[closed[i]];
-            for (int j = 0; j < count; ++j) small[i][j] = matrix.scale * column.response_to(columns_[closed[j]]);
-            small[i][i] += 1.0 / (factor * touches[closed[i]].stiffness);
-            small[i][count] = matrix.scale * matrix.chain().respond(column);
+            double* row = &small[i * width];
+            for (int j = 0; j < count; ++j) row[j] = matrix.scale * column.response_to(columns_[closed[j]]);
+            row[i] += 1.0 / (factor * touches[closed[i]].stiffness);
+            row[count] = matrix.scale * matrix.chain().respond(column);
         }
         solve(small, count);
-        for (int i = 0; i < count; ++i) matrix.chain().add(columns_[closed[i]], -small[i][count]);
+        for (int i = 0; i < count; ++i)
+            matrix.chain().add(columns_[closed[i]], -small[i * width + count]);
     }
 
 private:
     // Gauss-Jordan; the matrix is positive definite. The solution replaces the last column.
-    static void solve(double (&m)[kMostPantographs][kMostPantographs + 1], int count) {
+    static void solve(Buffer<double>& small, int count) {
+        const int width = count + 1;
         for (int k = 0; k < count; ++k) {
-            for (int j = count; j >= k; --j) m[k][j] /= m[k][k];
-            for (int i = 0; i < count; ++i)
+            double* pivot = &small[k * width];
+            for (int j = count; j >= k; --j) pivot[j] /= pivot[k];
+            for (int i = 0; i < count; ++i) {
+                double* row = &small[i * width];
                 if (i != k)
-                    for (int j = count; j >= k; --j) m[i][j] -= m[i][k] * m[k][j];
+                    for (int j = count; j >= k; --j) row[j] -= row[k] * pivot[j];
+            }
         }
     }
 
-    PointColumn<B> columns_[kMostPantographs];
+    Buffer<PointColumn<B>> columns_;
 };
 
 }  // namespace tautwire::TAUTWIRE_ISA

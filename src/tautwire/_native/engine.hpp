@@ -76,7 +76,7 @@ double seconds();  // a clock; defined in processor.cpp
 class Engine {
 public:
     virtual ~Engine();  // defined in module.cpp, so that no kernel carries the only copy
-    virtual bool add_pantograph(const PantographData& pantograph) = 0;
+    virtual void add_pantograph(const PantographData& pantograph) = 0;
     // Take the steps of a chunk; `done` tells how many succeeded. A step that fails or is refused
     // leaves the state as it was.
     virtual Outcome advance(const Chunk& chunk, int& done) = 0;

@@ -49,14 +49,14 @@ public:
 
     // Factor the selected matrix anew at coordinates q.
     bool renew(const Buffer<Row>& q) {
-        return factor(selected_->solver->matrix, factors_of(selected_->time_step), q, Droppers::none);
+        return factor(selected_->solver->matrix, factors_of(selected_->time_step), q, nullptr);
     }
-    // Factor the exact tangent at q of a step, taut droppers included, as `coupled`.
-    bool factor_coupled(const Buffer<Row>& q, double time_step) {
-        return make_coupled(factors_of(time_step), q, Droppers::taut);
+    // Factor the exact tangent at q and v of a step, taut droppers included, as `coupled`.
+    bool factor_coupled(const Buffer<Row>& q, const Buffer<Row>& v, double time_step) {
+        return make_coupled(factors_of(time_step), q, &v);
     }
     // Factor the mass matrix as `coupled`, to be used at q.
-    bool factor_mass(const Buffer<Row>& q) { return make_coupled({1.0, 0.0, 0.0}, q, Droppers::none); }
+    bool factor_mass(const Buffer<Row>& q) { return make_coupled({1.0, 0.0, 0.0}, q, nullptr); }
 
 private:
     static constexpr int kMost = 12, kPerOctave = 4;
@@ -84,22 +84,23 @@ private:
         oldest->number = number;
         oldest->time_step = time_step;
         const bool done =
-            factor(oldest->solver->matrix, factors_of(time_step), line_.position, Droppers::none);
+            factor(oldest->solver->matrix, factors_of(time_step), line_.position, nullptr);
         if (done) return oldest;
         delete oldest->solver;
         oldest->solver = nullptr;
         return nullptr;
     }
 
-    bool make_coupled(const Factors& factors, const Buffer<Row>& q, Droppers droppers) {
+    bool make_coupled(const Factors& factors, const Buffer<Row>& q, const Buffer<Row>* v) {
         if (!coupled_) coupled_ = new Coupled(line_);
-        return factor(coupled_->matrix, factors, q, droppers);
+        return factor(coupled_->matrix, factors, q, v);
     }
 
     template <class P>
-    bool factor(P& matrix, const Factors& factors, const Buffer<Row>& q, Droppers droppers) const {
+    bool factor(P& matrix, const Factors& factors, const Buffer<Row>& q,
+                const Buffer<Row>* v) const {
         Buffer<StationBlocks> blocks(line_.layout.stations);
-        Assembly(line_, blocks).sum(factors, q, droppers);
+        Assembly(line_, blocks).sum(factors, q, v);
         return matrix.factor(
             blocks, q, line_, factors.stiffness + factors.damping * line_.damping_stiffness);
     }

@@ -1,40 +1,20 @@
 // Python bindings, and the choice of the instruction set at import.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <cstdlib>
 #include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include <tuple>
 
+#include "arguments.hpp"
 #include "engine.hpp"
 #include "processor.hpp"
-
-namespace nb = nanobind;
 
 namespace tautwire {
 
 Engine::~Engine() = default;
 
 namespace {
-
-template <class T>
-using In = nb::ndarray<const T, nb::c_contig, nb::device::cpu>;
-template <class T>
-using Out = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
-
-// Data of an array that must have `size` entries.
-template <class A>
-auto* checked(const A& array, std::size_t size, const char* name) {
-    if (array.size() != size)
-        throw std::invalid_argument(std::string(name) + " has " + std::to_string(array.size()) +
-                                    " entries, expected " + std::to_string(size));
-    return array.data();
-}
 
 const Backend* chosen = nullptr;
 
@@ -43,14 +23,14 @@ class Stepper {
 public:
     Stepper(const nb::dict& line, const nb::dict& scheme);
 
-    void add_pantograph(const In<double>& mass, const In<double>& stiffness,
-                        const In<double>& damping, double start_height) {
-        const std::size_t n = mass.size();
-        const PantographData data{static_cast<int>(n), mass.data(),
-                                  checked(stiffness, n * n, "stiffness"),
-                                  checked(damping, n * n, "damping"), start_height};
-        if (n == 0 || !engine_->add_pantograph(data))
-            throw std::invalid_argument("too many pantographs, or one without stages");
+    void add_pantograph(nb::object mass, nb::object stiffness, nb::object damping,
+                        double start_height) {
+        Arguments given;
+        const std::size_t n = nb::len(mass);
+        if (n == 0) throw nb::value_error("mass is empty; a pantograph has at least one stage");
+        engine_->add_pantograph({static_cast<int>(n), given.array<const double>(mass, n, "mass"),
+                                 given.array<const double>(stiffness, n * n, "stiffness"),
+                                 given.array<const double>(damping, n * n, "damping"), start_height});
         ++pantographs_;
         stages_ += n;
     }
@@ -58,22 +38,28 @@ public:
     // Take steps; fill the history arrays; return how many succeeded and the outcome as a number.
     std::tuple<int, int> advance(const nb::dict& known, const nb::dict& histories);
 
-    bool start_from(const In<double>& q, const In<double>& v) {
-        return engine_->start_from(checked(q, 12 * stations_, "q"), checked(v, 12 * stations_, "v"));
+    bool start_from(nb::object q, nb::object v) {
+        Arguments given;
+        const double* at = given.array<const double>(q, 12 * stations_, "q");
+        return engine_->start_from(at, given.array<const double>(v, 12 * stations_, "v"));
     }
-    void coordinates(const Out<double>& out) const {
-        engine_->coordinates(checked(out, 12 * stations_, "out"));
+    void coordinates(nb::object out) const {
+        engine_->coordinates(Arguments().array<double>(out, 12 * stations_, "out"));
     }
-    void velocities(const Out<double>& out) const {
-        engine_->velocities(checked(out, 12 * stations_, "out"));
+    void velocities(nb::object out) const {
+        engine_->velocities(Arguments().array<double>(out, 12 * stations_, "out"));
     }
     std::tuple<double, double, double, double, double> timings() const {
         const Timings t = engine_->timings();
         return {t.elimination, t.contacts, t.substitution, t.records, t.total};
     }
     std::size_t state_size() const { return engine_->state_size(); }
-    void save(const Out<double>& out) const { engine_->save(checked(out, state_size(), "out")); }
-    void restore(const In<double>& in) { engine_->restore(checked(in, state_size(), "state")); }
+    void save(nb::object out) const {
+        engine_->save(Arguments().array<double>(out, state_size(), "out"));
+    }
+    void restore(nb::object state) {
+        engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
+    }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters()
         const {
         const Counters c = engine_->counters();
@@ -86,91 +72,88 @@ private:
     std::size_t stations_ = 0, droppers_ = 0, pantographs_ = 0, stages_ = 0;
 };
 
-template <class T>
-auto* entry(const nb::dict& arrays, const char* name, std::size_t size) {
-    return checked(nb::cast<In<T>>(arrays[name]), size, name);
-}
-
 Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
-    const auto length = [&line](const char* name) { return nb::len(nb::object(line[name])); };
-    stations_ = length("node_mass");
-    droppers_ = length("dropper_station");
-    const std::size_t arms = length("arm_station"), springs = length("spring_dof");
+    Arguments given;
+    const auto numbers = [&](const char* name, std::size_t size) {
+        return given.entry<const double>(line, name, size);
+    };
+    const auto indices = [&](const char* name, std::size_t size, std::size_t count) {
+        const std::int64_t* found = given.entry<const std::int64_t>(line, name, size);
+        check_indices(found, size, static_cast<std::int64_t>(count), name);
+        return found;
+    };
+    stations_ = Arguments::length(line, "node_mass");
+    droppers_ = Arguments::length(line, "dropper_station");
+    if (stations_ < 2) throw nb::value_error("node_mass: a line has at least two stations");
+    const std::size_t arms = Arguments::length(line, "arm_station");
+    const std::size_t springs = Arguments::length(line, "spring_dof");
     const std::size_t cables = 2 * (stations_ - 1), dofs = 12 * stations_;
-    if (stations_ < 2) throw std::invalid_argument("a line has at least two stations");
     LineData data;
     data.stations = static_cast<int>(stations_);
     data.droppers = static_cast<int>(droppers_);
     data.arms = static_cast<int>(arms);
     data.springs = static_cast<int>(springs);
-    data.length = entry<double>(line, "length", cables);
-    data.axial_stiffness = entry<double>(line, "axial_stiffness", cables);
-    data.bending_stiffness = entry<double>(line, "bending_stiffness", cables);
-    data.mass = entry<double>(line, "mass", cables);
-    data.node_mass = entry<double>(line, "node_mass", 2 * stations_);
-    data.load = entry<double>(line, "load", dofs);
-    data.position = entry<double>(line, "position", dofs);
-    data.fixed = entry<bool>(line, "fixed", dofs);
-    data.dropper_station = entry<std::int64_t>(line, "dropper_station", droppers_);
-    data.dropper_length = entry<double>(line, "dropper_length", droppers_);
-    data.dropper_stiffness = entry<double>(line, "dropper_stiffness", droppers_);
-    data.arm_station = entry<std::int64_t>(line, "arm_station", arms);
-    data.arm_end = entry<double>(line, "arm_end", 3 * arms);
-    data.arm_length = entry<double>(line, "arm_length", arms);
-    data.arm_stiffness = entry<double>(line, "arm_stiffness", arms);
-    data.spring_dof = entry<std::int64_t>(line, "spring_dof", springs);
-    data.spring_stiffness = entry<double>(line, "spring_stiffness", springs);
-    data.spring_damping = entry<double>(line, "spring_damping", springs);
-    data.spring_free = entry<double>(line, "spring_free", springs);
+    data.length = numbers("length", cables);
+    data.axial_stiffness = numbers("axial_stiffness", cables);
+    data.bending_stiffness = numbers("bending_stiffness", cables);
+    data.mass = numbers("mass", cables);
+    data.node_mass = numbers("node_mass", 2 * stations_);
+    data.load = numbers("load", dofs);
+    data.position = numbers("position", dofs);
+    data.fixed = given.entry<const bool>(line, "fixed", dofs);
+    data.dropper_station = indices("dropper_station", droppers_, stations_);
+    data.dropper_length = numbers("dropper_length", droppers_);
+    data.dropper_stiffness = numbers("dropper_stiffness", droppers_);
+    data.arm_station = indices("arm_station", arms, stations_);
+    data.arm_end = numbers("arm_end", 3 * arms);
+    data.arm_length = numbers("arm_length", arms);
+    data.arm_stiffness = numbers("arm_stiffness", arms);
+    data.spring_dof = indices("spring_dof", springs, dofs);
+    data.spring_stiffness = numbers("spring_stiffness", springs);
+    data.spring_damping = numbers("spring_damping", springs);
+    data.spring_free = numbers("spring_free", springs);
     const bool stiffened = line.contains("stiffening_bending");
-    data.stiffening_bending = stiffened ? entry<double>(line, "stiffening_bending", cables) : nullptr;
-    data.stiffening_load = stiffened ? entry<double>(line, "stiffening_load", dofs) : nullptr;
-    data.damping_mass = nb::cast<double>(line["damping_mass"]);
-    data.damping_stiffness = nb::cast<double>(line["damping_stiffness"]);
-    for (std::size_t i = 0; i < droppers_; ++i)
-        if (data.dropper_station[i] < 0 || data.dropper_station[i] >= data.stations)
-            throw std::invalid_argument("dropper_station is outside the line");
-    for (std::size_t i = 0; i < arms; ++i)
-        if (data.arm_station[i] < 0 || data.arm_station[i] >= data.stations)
-            throw std::invalid_argument("arm_station is outside the line");
-    for (std::size_t i = 0; i < springs; ++i)
-        if (data.spring_dof[i] < 0 || data.spring_dof[i] >= 12 * data.stations)
-            throw std::invalid_argument("spring_dof is outside the line");
-    const auto number = [&scheme](const char* name) { return nb::cast<double>(scheme[name]); };
+    data.stiffening_bending = stiffened ? numbers("stiffening_bending", cables) : nullptr;
+    data.stiffening_load = stiffened ? numbers("stiffening_load", dofs) : nullptr;
+    data.damping_mass = Arguments::value<double>(line, "damping_mass");
+    data.damping_stiffness = Arguments::value<double>(line, "damping_stiffness");
+    const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
-        data, Scheme{number("alpha"), number("beta"), number("gamma"), number("time_step"),
-                     number("contact_stiffness"), number("tolerance"),
-                     nb::cast<int>(scheme["iterations"]), nb::cast<bool>(scheme["full_newton"])}));
+        data, Scheme{number("alpha"), number("beta"), number("gamma"),
+                     Arguments::positive(scheme, "time_step"), number("contact_stiffness"),
+                     number("tolerance"), Arguments::value<int>(scheme, "iterations"),
+                     Arguments::value<bool>(scheme, "full_newton")}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
-    const auto observed = nb::cast<In<std::int64_t>>(known["observed"]);
-    const std::size_t steps = nb::len(nb::object(known["position"]));
-    const auto out = [&histories](const char* name, std::size_t size) {
-        return checked(nb::cast<Out<double>>(histories[name]), size, name);
+    Arguments given;
+    const std::size_t steps = Arguments::length(known, "position");
+    const std::size_t observed = Arguments::length(known, "observed");
+    const auto in = [&](const char* name, std::size_t width) {
+        return given.entry<const double>(known, name, steps * width);
     };
-    for (std::size_t i = 0; i < observed.size(); ++i)
-        if (observed.data()[i] < 0 || observed.data()[i] >= static_cast<std::int64_t>(12 * stations_))
-            throw std::invalid_argument("an observed degree of freedom is outside the line");
+    const auto out = [&](const char* name, std::size_t width) {
+        return given.entry<double>(histories, name, steps * width);
+    };
     Chunk chunk;
     chunk.steps = static_cast<int>(steps);
-    chunk.time_step = nb::cast<double>(known["time_step"]);
-    chunk.until_crossing = nb::cast<bool>(known["until_crossing"]);
-    if (!(chunk.time_step > 0.0)) throw std::invalid_argument("time_step must be positive");
-    chunk.on_line = entry<bool>(known, "on_line", steps * pantographs_);
-    chunk.position = entry<double>(known, "position", steps * pantographs_);
-    chunk.rise = entry<double>(known, "rise", steps * pantographs_);
-    chunk.before = entry<double>(known, "before", steps * stages_);
-    chunk.after = entry<double>(known, "after", steps * stages_);
-    chunk.observed = static_cast<int>(observed.size());
-    chunk.observed_dofs = observed.data();
-    chunk.force = out("contact_force", steps * pantographs_);
-    chunk.gap = out("gap", steps * pantographs_);
-    chunk.height = out("wire_height", steps * pantographs_);
-    chunk.stages = out("stages", steps * stages_);
-    chunk.dropper_force = out("dropper_force", steps * droppers_);
-    chunk.coordinates = out("observed", steps * observed.size());
-    chunk.refused_gap = out("refused_gap", pantographs_);
+    chunk.time_step = Arguments::positive(known, "time_step");
+    chunk.until_crossing = Arguments::value<bool>(known, "until_crossing");
+    chunk.on_line = given.entry<const bool>(known, "on_line", steps * pantographs_);
+    chunk.position = in("position", pantographs_);
+    chunk.rise = in("rise", pantographs_);
+    chunk.before = in("before", stages_);
+    chunk.after = in("after", stages_);
+    chunk.observed = static_cast<int>(observed);
+    chunk.observed_dofs = given.entry<const std::int64_t>(known, "observed", observed);
+    check_indices(chunk.observed_dofs, observed, static_cast<std::int64_t>(12 * stations_), "observed");
+    chunk.force = out("contact_force", pantographs_);
+    chunk.gap = out("gap", pantographs_);
+    chunk.height = out("wire_height", pantographs_);
+    chunk.stages = out("stages", stages_);
+    chunk.dropper_force = out("dropper_force", droppers_);
+    chunk.coordinates = out("observed", observed);
+    chunk.refused_gap = given.entry<double>(histories, "refused_gap", pantographs_);
     int done = 0;
     Outcome outcome;
     {
@@ -182,12 +165,17 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
 
 using CableKernel = void (*)(int, const double*, const double*, const double*, const double*, double*);
 
-void run_cables(CableKernel kernel, std::size_t factor, const In<double>& e, const In<double>& length,
-                const In<double>& axial, const In<double>& bending, const Out<double>& out) {
-    const std::size_t n = length.size();
-    kernel(static_cast<int>(n), checked(e, 12 * n, "e"), length.data(),
-           checked(axial, n, "axial_stiffness"), checked(bending, n, "bending_stiffness"),
-           checked(out, factor * n, "out"));
+// Evaluate `factor` numbers per element of (4, 3, n) coordinates.
+void run_cables(CableKernel kernel, std::size_t factor, nb::object e, nb::object length,
+                nb::object axial, nb::object bending, nb::object out) {
+    Arguments given;
+    const std::size_t n = nb::len(length);
+    const auto in = [&](nb::handle value, std::size_t size, const char* name) {
+        return given.array<const double>(value, size, name);
+    };
+    kernel(static_cast<int>(n), in(e, 12 * n, "e"), in(length, n, "length"),
+           in(axial, n, "axial_stiffness"), in(bending, n, "bending_stiffness"),
+           given.array<double>(out, factor * n, "out"));
 }
 
 }  // namespace
@@ -197,12 +185,12 @@ NB_MODULE(_core, m) {
     m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
     m.attr("instruction_set") = chosen->name;
     m.attr("lanes") = chosen->lanes;
-    m.def("cable_force", [](const In<double>& e, const In<double>& length, const In<double>& axial,
-                            const In<double>& bending, const Out<double>& out) {
+    m.def("cable_force", [](nb::object e, nb::object length, nb::object axial, nb::object bending,
+                            nb::object out) {
         run_cables(chosen->cable_force, 12, e, length, axial, bending, out);
     });
-    m.def("cable_tangent", [](const In<double>& e, const In<double>& length, const In<double>& axial,
-                              const In<double>& bending, const Out<double>& out) {
+    m.def("cable_tangent", [](nb::object e, nb::object length, nb::object axial, nb::object bending,
+                              nb::object out) {
         run_cables(chosen->cable_tangent, 144, e, length, axial, bending, out);
     });
     nb::class_<Stepper>(m, "Stepper")

@@ -212,7 +212,7 @@ TAUTWIRE_INLINE V to_previous_segment(V x) {
     });
 }
 
-// A block of memory aligned for vectors, zero at the start.
+// A block of memory aligned for vectors, zero at the start, for values that may be copied bytewise.
 template <class T>
 class Buffer {
 public:
@@ -246,6 +246,13 @@ public:
     T* data() { return data_; }
     const T* data() const { return data_; }
     std::size_t size() const { return size_; }
+    // Make room for more; what is there stays, the rest is zero.
+    void grow(std::size_t size) {
+        if (size <= size_) return;
+        Buffer larger(size);
+        if (size_ > 0) std::memcpy(static_cast<void*>(larger.data_), data_, size_ * sizeof(T));
+        *this = std::move(larger);
+    }
     void copy_from(const Buffer& other) { std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T)); }
 
 private:

@@ -44,11 +44,12 @@ public:
         for (int i = 0; i < count_; ++i) delete pantographs_[i];
     }
 
-    bool add_pantograph(const PantographData& data) override {
-        if (count_ == kMostPantographs) return false;
+    void add_pantograph(const PantographData& data) override {
+        pantographs_.grow(count_ + 1);
+        regions_.grow(count_ + 1);
+        touches_.make_room(count_ + 1);
         pantographs_[count_++] = new Pantograph(data, scheme_);
         stages_ += data.stages;
-        return true;
     }
     Outcome advance(const Chunk& chunk, int& done) override;
     bool start_from(const double* q, const double* v) override;
@@ -91,10 +92,10 @@ private:
     double weight_;
     Sweeps sweeps_;
     StepFactors factors_;
-    Pantograph* pantographs_[kMostPantographs] = {};
+    Buffer<Pantograph*> pantographs_;
     int count_ = 0, stages_ = 0;
     TouchList touches_;
-    Region regions_[kMostPantographs];  // around the touched points
+    Buffer<Region> regions_;  // around the touched points
     bool first_ = false;  // the next sweeps are the first of their step
     Counters counters_ = {};
     Timings timings_ = {};
@@ -203,8 +204,8 @@ Increment LineEngine::iterate(S& solver, RowRange range, bool fresh) {
     set_regions();
     const double corrected = seconds();
     const Increment increment =
-        first ? sweeps_.substitute<true>(solver.matrix, range, regions_, touches_.count)
-              : sweeps_.substitute<false>(solver.matrix, range, regions_, touches_.count);
+        first ? sweeps_.substitute<true>(solver.matrix, range, regions_.data(), touches_.count)
+              : sweeps_.substitute<false>(solver.matrix, range, regions_.data(), touches_.count);
     timings_.elimination += eliminated - begin;
     timings_.contacts += corrected - eliminated;
     timings_.substitution += seconds() - corrected;
@@ -232,19 +233,22 @@ inline bool LineEngine::settle_contacts() {
 inline bool LineEngine::renew(bool full_newton) {
     const WireState& end = sweeps_.end();
     const int rows = sweeps_.line.layout.rows;
-    Buffer<Row> q(rows);
+    Buffer<Row> q(rows), v(rows);
     for (int row = 0; row < rows; ++row)
         for (int wire = 0; wire < 2; ++wire)
-            for (int i = 0; i < 6; ++i)
+            for (int i = 0; i < 6; ++i) {
                 q[row][wire][i] = end.q_p[row][wire][i] + end.to_position * end.a[row][wire][i];
+                v[row][wire][i] = end.v_p[row][wire][i] + end.to_velocity * end.a[row][wire][i];
+            }
     ++counters_.refactorisations;
-    return full_newton ? factors_.factor_coupled(q, sweeps_.prediction.time_step) : factors_.renew(q);
+    return full_newton ? factors_.factor_coupled(q, v, sweeps_.prediction.time_step)
+                       : factors_.renew(q);
 }
 
 // Complete a converged step, unless a contact opens or closes in it and that is not wanted.
 inline Outcome LineEngine::finish(const Chunk& chunk) {
     if (!touch_all()) return Outcome::off_the_line;
-    double gap[kMostPantographs];
+    Buffer<double> gap(count_);
     bool crosses = false;
     for (int i = 0; i < count_; ++i) gap[i] = pantographs_[i]->gap;
     for (int n = 0; n < touches_.count; ++n) {

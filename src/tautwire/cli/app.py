@@ -16,13 +16,14 @@ import typer
 from tautwire.cli import design, high_frequency, own_line
 from tautwire.cli.options import (
     CaseArgument,
+    ForceOption,
     FreeUpliftOption,
     JsonOption,
     OutFolderOption,
     SetOption,
     SystemOption,
 )
-from tautwire.cli.session import FAILED, REFUSED, answering
+from tautwire.cli.session import FAILED, REFUSED, answering, open_closed_streams
 
 _UsageError: Any = typer.BadParameter.__base__
 
@@ -41,6 +42,7 @@ def main() -> None:
     """Run the command line and end the process with its exit code."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # banded systems gain nothing from more threads
+    open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # pyright: ignore[reportAttributeAccessIssue]
@@ -170,6 +172,7 @@ def static(
     case: CaseArgument,
     overrides: SetOption = None,
     out: OutFolderOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the static shape: heights, dropper lengths and forces, elasticity.
@@ -177,13 +180,13 @@ def static(
     With --out the dropper table, the elasticity and the static state are written as files.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.static import find_static
+        from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, case, overrides or [], out)
+        find_static(answer, StaticRequest(case, overrides or [], out, force))
 
 
 @app.command()
-def run(
+def run(  # noqa: PLR0913 one parameter per option
     case: CaseArgument,
     overrides: SetOption = None,
     out: OutFolderOption = None,
@@ -192,17 +195,18 @@ def run(
     ] = False,
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a passage, the mean force tuned where the case asks for it, and report on it.
 
-    Files go to the folder "tautwire-" and the name of the case, or to --out. Ctrl-C stops the
-    passage and keeps what was computed.
+    Files go to --out, or to a folder named after the case and what is --set. A folder that holds
+    another run is refused without --force. Ctrl-C stops the passage and keeps what was computed.
     """
     with answering(as_json) as answer:
         from tautwire.cli.commands.run import RunRequest, run_passage
 
-        request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report)
+        request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report, force)
         run_passage(answer, request)
 
 

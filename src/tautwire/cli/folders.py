@@ -2,19 +2,42 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from tautwire.errors import InputError, cure_of
 from tautwire.text import shortened
 
+RESULTS = (
+    "run.nc", "results.json", "report.html", "force.csv", "force-*.csv", "droppers.csv",
+    "static.nc", "static.json", "elasticity.csv",
+)  # fmt: skip
+"""Files of one run, or of one static state; a folder holds those of one of them."""
 
-def default_folder(case_name: str) -> Path:
-    """Return the folder for the files of a case when the user names none."""
-    return Path("tautwire-" + re.sub(r"[^A-Za-z0-9._+-]", "-", case_name))
+_LONGEST_NAME = 80
+"""Characters of a folder's name before the rest is told by a checksum."""
+
+
+def default_folder(case_name: str, overrides: Sequence[str] = ()) -> Path:
+    """Return the folder for the files of a case when the user names none.
+
+    Parameters
+    ----------
+    case_name
+    overrides
+        What was set for this run, ``path=value``: it becomes part of the name, so that runs that
+        differ by it do not meet in one folder.
+    """
+    changes = (text.partition("=") for text in overrides)
+    name = "-".join([case_name, *(f"{path.split('.')[-1]}-{value}" for path, _, value in changes)])
+    name = re.sub(r"[^A-Za-z0-9._+-]+", "-", name).strip("-")
+    if len(name) > _LONGEST_NAME:
+        name = f"{name[: _LONGEST_NAME - 9]}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return Path(f"tautwire-{name}")
 
 
 @contextmanager
@@ -39,6 +62,66 @@ def prepared_folder(folder: Path) -> Iterator[Path]:
     finally:
         if is_new and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
+
+
+@contextmanager
+def result_folder(folder: Path, *, force: bool) -> Iterator[Files]:
+    """Prepare a folder for the files of one result, and keep other commands from writing there.
+
+    Parameters
+    ----------
+    folder
+        Path as the user wrote it.
+    force
+        Whether the files of another result may be replaced; they go when the first file of this
+        one is written.
+
+    Raises
+    ------
+    InputError
+        When the folder cannot be written to, is in use by another command, or holds another
+        result.
+    """
+    with prepared_folder(folder), _locked(folder):
+        for draft in folder.glob(".*.part"):  # left behind by a process that was killed
+            draft.unlink(missing_ok=True)
+        held = [path for pattern in RESULTS for path in sorted(folder.glob(pattern))]
+        if held and not force:
+            raise InputError(
+                f"--out {folder}: holds the files of another result ({_few(held)}); choose "
+                "another folder with --out, or replace them with --force"
+            )
+        yield Files(folder, held)
+
+
+def _few(paths: Sequence[Path]) -> str:
+    names = [path.name for path in paths]
+    return ", ".join(names) if len(names) <= 3 else f"{', '.join(names[:3])}, ..."
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Lock a folder itself, so that no lock file stays in it, until the block or process ends."""
+    try:
+        import fcntl
+    except ImportError:  # not POSIX
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise InputError(
+            f"--out {folder}: another command is computing for this folder; wait for it, or "
+            "choose another folder with --out"
+        ) from None
+    except OSError:  # a file system without locks
+        pass
+    try:
+        yield
+    finally:
+        os.close(handle)
 
 
 def _made(folder: Path) -> bool:
@@ -70,15 +153,20 @@ class Files:
     ----------
     folder
         Where they go.
+    replaced
+        Files of another result, removed when the first file is written.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, replaced: Sequence[Path] = ()) -> None:
         self.folder = folder
+        self._replaced = list(replaced)
         self.written: dict[str, str] = {}
-        self.problems: list[str] = []
+        self._failed: dict[str, Sequence[str]] = {}
 
     def write(self, name: str, write: Callable[[Path], object]) -> None:
         """Write one file; a failure is noted and does not keep others from being written.
+
+        A file may be written again; the last failure of each counts.
 
         Parameters
         ----------
@@ -89,11 +177,25 @@ class Files:
         """
         path = self.folder / name
         try:
+            self._make_room(path)
             write(path)
         except InputError as error:
-            self.problems += error.problems
+            self._failed[name] = error.problems
         except (OSError, RuntimeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            self.problems.append(f"{path}: cannot be written ({reason}); {cure_of(error)}")
+            self._failed[name] = (f"{path}: cannot be written ({reason}); {cure_of(error)}",)
         else:
+            self._failed.pop(name, None)
             self.written[name] = str(path)
+
+    @property
+    def problems(self) -> list[str]:
+        """One sentence per file that could not be written."""
+        return [text for texts in self._failed.values() for text in texts]
+
+    def _make_room(self, path: Path) -> None:
+        """Remove the files of another result, except the one that is replaced as a whole."""
+        while self._replaced:
+            if self._replaced[-1] != path:
+                self._replaced[-1].unlink(missing_ok=True)
+            self._replaced.pop()

@@ -35,6 +35,9 @@ OutFolderOption = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Replace the files of another result in the folder.")
+]
 SystemOption = Annotated[
     str,
     typer.Option(

@@ -94,6 +94,67 @@ class PassageWatch:
             )
 
 
+class StepWatch:
+    """Shows how many of some equal steps are done, and stops when a signal has asked for it.
+
+    As a context it ends quietly with the computation that it stopped.
+
+    Parameters
+    ----------
+    answer
+        The command, for its standard error.
+    interrupts
+        Signals received.
+    name
+        What is computed.
+    """
+
+    def __init__(self, answer: Answer, interrupts: Interrupts, name: str) -> None:
+        self._answer, self._interrupts, self._name = answer, interrupts, name
+        self._spoke = time.monotonic()
+        self._bar: Bar | None = None
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        if self._answer.err.is_terminal:
+            self._bar = bar = _make_bar(self._answer)
+            self._task = bar.add_task(self._name, total=1.0, left="")
+            bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> bool:
+        if self._bar is not None:
+            self._bar.stop()
+        return isinstance(error, _StoppedError)
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show that ``done`` of ``total`` steps are done.
+
+        Raises
+        ------
+        Exception
+            Caught by the context, when a signal has asked to stop.
+        """
+        if self._interrupts.requested is not None:
+            self._answer.say(f"{self._name} stopped; what was computed before is kept")
+            raise _StoppedError
+        now = time.monotonic()
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, completed=done / total)
+        elif now - self._spoke >= SECONDS_BETWEEN_LINES:
+            self._spoke = now
+            self._answer.say(f"{self._name}: {100 * done / total:.0f} %")
+
+
+class _StoppedError(Exception):
+    """A signal has asked to stop."""
+
+
 def duration(seconds: float) -> str:
     """Return a time as people say it: ``42 s``, ``3 min 20 s``, ``2 h 5 min``."""
     whole = round(seconds)

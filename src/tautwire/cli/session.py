@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
@@ -217,3 +219,41 @@ def _console(*, stderr: bool) -> Console:
     from tautwire.cli.views.console import PlainConsole
 
     return PlainConsole(stderr=stderr, markup=False, highlight=False, emoji=False)
+
+
+class ClosedOutput(io.TextIOBase):
+    """An output that cannot be written, and says so like a file that was closed."""
+
+    def fileno(self) -> int:
+        """Return the number of standard output, which leads nowhere."""
+        return 1
+
+    def writable(self) -> bool:
+        """Tell that text may be tried."""
+        return True
+
+    def write(self, text: str) -> NoReturn:  # noqa: ARG002
+        """Refuse the text.
+
+        Raises
+        ------
+        OSError
+            Always.
+        """
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+
+def open_closed_streams() -> None:
+    """Occupy the numbers of closed streams, so that no file that is opened later takes them.
+
+    Otherwise what a library prints would end in the middle of a result file.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    if sys.stdout is None:
+        sys.stdout = ClosedOutput()
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 LOWERED = 1.0
 """Distance of a lowered pantograph from the wire at the start [m]."""
 
+ROOM_AT_END = 0.1
+"""Distance from the far end that no pantograph passes [m]: a weighted end moves by centimetres."""
+
 _POINTS_PER_SPAN = 101
 """Points over which the height of a span is averaged; the mean of 55 mm of sag is 0.1 mm off."""
 
@@ -39,12 +42,15 @@ class Passage:
         One per pantograph.
     duration : float s
         Until the leading pantograph has reached the far end of the line.
+    latest : float s
+        Until when it is on the modelled wire: a last step may not go beyond.
     warnings : tuple of str
     """
 
     pantographs: tuple[PantographInput, ...]
     uplift_forces: tuple[float, ...]
     duration: float
+    latest: float
     warnings: tuple[str, ...] = ()
 
 
@@ -100,7 +106,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
         for spec, force in zip(case.pantographs, forces, strict=True)
         for text in _base_spring_warning(spec, force, running)
     ]
-    return Passage(inputs, tuple(forces), duration, tuple(warnings))
+    latest = (length - case.settings.start - ROOM_AT_END) / case.scenario.speed
+    return Passage(inputs, tuple(forces), duration, latest, tuple(warnings))
 
 
 def _running_heights(model: Model, shape: Equilibrium) -> Array:

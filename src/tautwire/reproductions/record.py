@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from tautwire.assessment.references import ReferenceRow
-from tautwire.report.pages.run_page import write_report
-from tautwire.report.parts.words import MISSING, quantity
+from tautwire.report.pages.run_page import render, write_report
+from tautwire.report.parts.blocks import Section, Table, Text, Verdict
+from tautwire.report.parts.published import NAMES
+from tautwire.report.parts.words import MISSING, listing, quantity
 from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
@@ -24,15 +25,7 @@ DOUBTFUL = ("memory", "calibrated")
 """Confidence of inputs that a reader must know about."""
 
 _PUBLISHED_UNITS = {"N": (1.0, "N"), "m": (1e3, "mm"), "%": (1.0, "%")}
-_NAMES = {
-    "mean": "mean force",
-    "maximum": "largest force",
-    "minimum": "smallest force",
-    "statistical_maximum": "mean + 3 σ",
-    "statistical_minimum": "mean − 3 σ",
-    "uplift": "largest uplift at a support",
-    "loss_percent": "contact loss",
-}
+_OUTCOMES = {"inside": "passed", "outside": "failed"}
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,7 @@ class Claim:
         """Quantity as a person reads it."""
         if self.quantity.startswith("std_"):
             return f"σ, {self.quantity[4:].replace('_', '-')} Hz"
-        return _NAMES.get(self.quantity, self.quantity)
+        return NAMES.get(self.quantity, self.quantity)
 
     @property
     def verdict(self) -> str:
@@ -292,25 +285,59 @@ def record_csv(record: Record) -> str:
 
 def record_html(record: Record) -> str:
     """Return the record as one page that needs no network."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    provenance = next((run.provenance for run in record.runs.values()), {})
+    facts = {"Program": f"tautwire {__version__}", "Status": record.status} | {
+        title: str(provenance.get(name) or MISSING)[:length]
+        for title, name, length in (
+            ("Commit", "commit", 40), ("Computed", "created", 10), ("Backend", "backend", 40),
+        )
+    }  # fmt: skip
+    masthead = {
+        "title": record.title,
+        "description": "Validation record: published ranges beside what is found here.",
+        "facts": facts,
+        "version": __version__,
+        "case_hash": listing([run.case.hash()[:12] for run in record.runs.values()]) or MISSING,
+    }
+    return render(list(_sections(record)), masthead)
 
-    environment = Environment(
-        loader=PackageLoader("tautwire.reproductions"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+
+def _sections(record: Record) -> Iterator[Section]:
+    yield Section("summary", "Outcome", (Text(record.statement, "statement"),))
+    for run in record.runs:
+        yield Section(f"run-{run.split()[0]}", run, (_claims_table(record, run),))
+    used = Table("Used here", ("filter", ""), "ll", tuple(record.filters.items()))
+    note = (
+        "The mean is rounded to 1 N before it is compared, as the published range is printed. "
+        "Uplift and contact loss are not filtered."
     )
-    style = files("tautwire.report").joinpath("templates", "style.css")
-    return environment.get_template("record.html.j2").render(
-        record=record,
-        version=__version__,
-        style=style.read_text(encoding="utf-8"),
-        shown=found_text,
-        published=range_text,
-        kinds={kind: _short(kind) for kind in record.filters},
-        provenance=next((dict(r.provenance) for r in record.runs.values()), {}),
+    published = Text(f"Published: {record.published_filter}.")
+    yield Section("filters", "Filters", (published, used, Text(note, "note")))
+    inputs = tuple((item.path, item.source, item.confidence) for item in record.doubtful_inputs)
+    head = ("input", "source", "known from")
+    remembered = Table("No input was adjusted to meet the ranges.", head, "lll", inputs)
+    shown = remembered if inputs else Text("None.")
+    yield Section("inputs", "Inputs that rest on memory", (shown,))
+    yield Section("source", "Source of the ranges", (Text(record.source),))
+
+
+def _claims_table(record: Record, run: str) -> Table:
+    """Return the published ranges of one run, with what was found through every filter."""
+    found = tuple(f"found, {_short(kind)}" for kind in record.filters)
+    rows = tuple(
+        (
+            claim.name,
+            range_text(claim),
+            *(found_text(claim, kind) for kind in record.filters),
+            Verdict(claim.verdict, _OUTCOMES.get(claim.verdict, "unverified")),
+            claim.explanation,
+            claim.confidence,
+        )
+        for claim in record.claims
+        if claim.run == run
     )
+    heads = ("quantity", "published range", *found, "verdict", "", "range known from")
+    return Table(f"Published ranges at {run}", heads, "lr" + "r" * len(found) + "lll", rows)
 
 
 def range_text(claim: Claim) -> str:

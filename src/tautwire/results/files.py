@@ -53,11 +53,26 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             draft.unlink(missing_ok=True)
 
 
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+    """Write ``content`` to ``path``, completely or not at all, and return the path.
+
+    The bytes are on the disk before the file has its name: a power cut leaves it whole.
+
+    Raises
+    ------
+    InputError
+        When it cannot be written, with the reason and what to try.
+    """
+    with replacing(path) as draft, draft.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    return Path(path)
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
     """Write ``text`` to ``path`` (UTF-8), completely or not at all, and return the path.
 
     Line ends are written as they stand in ``text``.
     """
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="")
-    return Path(path)
+    return write_bytes(path, text.encode())

@@ -27,6 +27,8 @@ class Entry:
         ``"1"`` for a number without unit.
     text : str
         What it is (``long_name``).
+    kind : str
+        ``"number"``, ``"count"`` (whole numbers) or ``"text"``.
     """
 
     name: str
@@ -34,6 +36,27 @@ class Entry:
     dimensions: tuple[str, ...]
     units: str
     text: str
+    kind: str = "number"
+
+
+KINDS = {"number": "fiu", "count": "iu", "text": "OSU"}
+"""Types of data (as NumPy's letters) that a kind of variable may have."""
+
+TIME = Entry("time", "time", ("time",), "s", "time since the start")
+NAMES = Entry("pantograph", "name", ("pantograph",), "1", "name of the pantograph", "text")
+STAGE_COUNT = Entry(
+    "stage_count", "", ("pantograph",), "1", "number of stages of the pantograph", "count"
+)
+
+POINTS = {"support", "dropper", "middle"}
+"""Kinds of points of the elasticity."""
+
+NUMBERS = {
+    *("dof", "steps", "iterations_mean", "refactorisations", "full_newton_steps"),
+    *("simulated_s", "cpu_s", "wall_s", "real_time_factor", "tuning_passes"),
+    *("windows", "refined_s", "unsettled_windows"),
+}
+"""Counters that are counted with."""
 
 
 RUN = (
@@ -96,6 +119,7 @@ PANTOGRAPH = (
         ("pantograph", "time"),
         "1",
         "1 once the pantograph has entered the line, 0 before",
+        "count",
     ),
 )
 
@@ -113,18 +137,18 @@ PANTOGRAPH_SCALARS = (
 SNAPSHOTS = (
     Entry("time", "time", ("time",), "s", "time since the start"),
     Entry("x", "x", ("point",), "m", "position along the track"),
-    Entry("wire", "wire", ("point",), "1", "number of the wire of the point, from 0"),
+    Entry("wire", "wire", ("point",), "1", "number of the wire of the point, from 0", "count"),
     Entry("z", "z", ("time", "point"), "m", "height of the wire"),
 )
 
 EVENTS = (
     Entry("time", "time", ("event",), "s", "instant at which a contact opens or closes"),
-    Entry("pantograph", "pantograph", ("event",), "1", "number of the pantograph, from 1"),
-    Entry("opens", "opens", ("event",), "1", "1 for a separation, 0 for a re-contact"),
+    Entry("pantograph", "pantograph", ("event",), "1", "number of the pantograph, from 1", "count"),
+    Entry("opens", "opens", ("event",), "1", "1 for a separation, 0 for a re-contact", "count"),
 )
 
 IRREGULARITIES = (
-    Entry("seed", "seed", (), "1", "seed of everything random"),
+    Entry("seed", "seed", (), "1", "seed of everything random", "count"),
     Entry(
         "dropper_height",
         "dropper_height",
@@ -151,9 +175,11 @@ IRREGULARITIES = (
 )
 
 ELASTICITY = (
-    Entry("span", "span", ("point",), "1", "number of the span, from 1"),
-    Entry("kind", "kind", ("point",), "1", "support, dropper or middle (between two)"),
-    Entry("index", "index", ("point",), "1", "number of the dropper (a middle: on its left)"),
+    Entry("span", "span", ("point",), "1", "number of the span, from 1", "count"),
+    Entry("kind", "kind", ("point",), "1", "support, dropper or middle (between two)", "text"),
+    Entry(
+        "index", "index", ("point",), "1", "number of the dropper (a middle: on its left)", "count"
+    ),
     Entry("x", "x", ("point",), "m", "position along the track"),
     Entry("elasticity", "elasticity", ("point",), "m N-1", "static uplift per vertical force"),
     Entry("force", "force", (), "N", "vertical force at which it was evaluated"),
@@ -165,22 +191,28 @@ EQUILIBRIUM = (
         "cable_length", "cable_lengths", ("element",), "m", "unstrained length of a wire element"
     ),
     Entry("node_s", "node_s", ("node",), "m", "place of the node along the track"),
-    Entry("node_wire", "node_wire", ("node",), "1", "number of the wire of the node, from 0"),
-    Entry("wire_name", "wire_names", ("wire",), "1", "name of the wire"),
+    Entry(
+        "node_wire", "node_wire", ("node",), "1", "number of the wire of the node, from 0", "count"
+    ),
+    Entry("wire_name", "wire_names", ("wire",), "1", "name of the wire", "text"),
     Entry(
         "wire_role",
         "wire_roles",
         ("wire",),
         "1",
         "what the wire is: contact, messenger, auxiliary or stitch",
+        "text",
     ),
-    Entry("dropper_span", "dropper_span", ("dropper",), "1", "span of the dropper, from 1"),
+    Entry(
+        "dropper_span", "dropper_span", ("dropper",), "1", "span of the dropper, from 1", "count"
+    ),
     Entry(
         "dropper_number",
         "dropper_number",
         ("dropper",),
         "1",
         "number of the dropper in its span, from 1",
+        "count",
     ),
     Entry(
         "dropper_wire",
@@ -188,6 +220,7 @@ EQUILIBRIUM = (
         ("dropper", "side"),
         "1",
         "numbers of the wires above and below, from 0",
+        "count",
     ),
     Entry("dropper_x", "dropper_x", ("dropper",), "m", "position of the dropper"),
     Entry(
@@ -218,13 +251,21 @@ EQUILIBRIUM = (
         "m",
         "height of the lower wire at the dropper",
     ),
-    Entry("support_number", "support_number", ("support",), "1", "number of the support, from 1"),
+    Entry(
+        "support_number",
+        "support_number",
+        ("support",),
+        "1",
+        "number of the support, from 1",
+        "count",
+    ),
     Entry(
         "support_wire",
         "support_wire",
         ("support",),
         "1",
         "number of the contact wire that is held there, from 0",
+        "count",
     ),
     Entry("support_x", "support_x", ("support",), "m", "position of the support"),
     Entry(
@@ -234,7 +275,14 @@ EQUILIBRIUM = (
         "m",
         "height of the contact wire at the support",
     ),
-    Entry("arm_support", "arm_supports", ("arm",), "1", "row of the support with the arm, from 1"),
+    Entry(
+        "arm_support",
+        "arm_supports",
+        ("arm",),
+        "1",
+        "row of the support with the arm, from 1",
+        "count",
+    ),
     Entry("arm_force", "arm_forces", ("arm",), "N", "steady-arm force, tension positive"),
     Entry(
         "arm_angle",
@@ -274,6 +322,6 @@ EQUILIBRIUM = (
     ),
     Entry("weight", "weight", (), "N", "weight of the line"),
     Entry("reaction", "reaction", (), "N", "sum of the vertical support reactions"),
-    Entry("iterations", "iterations", (), "1", "Newton iterations of the shape finding"),
+    Entry("iterations", "iterations", (), "1", "Newton iterations of the shape finding", "count"),
     Entry("residual", "residual", (), "N", "largest out-of-balance nodal force"),
 )

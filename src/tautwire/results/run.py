@@ -187,9 +187,3 @@ class Run:
         record = self.pantograph(name)
         on = record.active
         return ForceRecord(self.time[on], record.position[on], record.contact_force[on])
-
-    def save(self, path: str) -> None:
-        """Write the run to a netCDF-4 file (see :mod:`tautwire.results.storage`)."""
-        from tautwire.results.storage import save_run
-
-        save_run(self, path)

@@ -108,11 +108,7 @@ class Case(Spec):
 
     def resolved_section(self) -> tuple[int, int]:
         """Return the first and the last analysed span, numbered from 1."""
-        if self.settings.section is not None:
-            return self.settings.section
-        at_start = min(3, (self.line.spans - 1) // 3)
-        at_end = min(4, (self.line.spans - 1) // 3)
-        return at_start + 1, self.line.spans - at_end
+        return self.settings.resolved_section(self.line.spans)
 
     def uplift_forces(self) -> tuple[float, ...]:
         """Return the uplift force of each pantograph [N]: prescribed, or the first guess.

@@ -299,7 +299,7 @@ def check_forces(scenario: Scenario, pantographs: Sequence[Pantograph]) -> list[
 
 
 def check_section(line: Line, settings: Settings) -> list[Problem]:
-    """Check that the analysed section and the start lie on the line."""
+    """Check that the analysed section lies on the line."""
     problems = []
     if settings.section is not None and settings.section[1] > line.spans:
         first, last = settings.section
@@ -310,14 +310,30 @@ def check_section(line: Line, settings: Settings) -> list[Problem]:
                 "inside, or leave it out for the default",
             )
         )
-    if settings.start >= line.length():
-        problems.append(
-            Problem(
-                ("settings", "start"),
-                f"got {settings.start:g} m; the line is {line.length():g} m long",
-            )
-        )
     return problems
+
+
+def check_start(line: Line, settings: Settings) -> list[Problem]:
+    """Check that the way of a passage meets the analysed section.
+
+    The way leaves out ``settings.start`` at both ends of the line, in either direction.
+    """
+    length, start = line.length(), settings.start
+    first, last = settings.resolved_section(line.spans)
+    if last > line.spans:
+        return []
+    supports = line.support_positions()
+    cure = "start nearer to the anchor (typical: 5 m)"
+    if 2.0 * start >= length:
+        what = f"the line is {length:g} m long and a passage leaves out as much at its other end"
+        return [Problem(("settings", "start"), f"got {start:g} m; {what}: {cure}")]
+    if supports[last] <= start or supports[first - 1] >= length - start:
+        what = (
+            f"a passage from {start:g} m to {length - start:g} m never meets the analysed section "
+            f"(spans {first} to {last}); {cure}, or choose another settings.section"
+        )
+        return [Problem(("settings", "start"), f"got {start:g} m; {what}")]
+    return []
 
 
 def check_train_length(
@@ -380,6 +396,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("pantographs",), check_pantograph_row),
     (("scenario", "pantographs"), check_forces),
     (("line", "settings"), check_section),
+    (("line", "settings"), check_start),
     (("line", "pantographs", "settings"), check_train_length),
     (("line", "droppers", "irregularities"), check_irregularities),
 )

@@ -149,3 +149,11 @@ class Settings(Spec):
                 ]
             )
         return self
+
+    def resolved_section(self, spans: int) -> tuple[int, int]:
+        """Return the first and the last analysed span of a line of ``spans``, from 1."""
+        if self.section is not None:
+            return self.section
+        at_start = min(3, (spans - 1) // 3)
+        at_end = min(4, (spans - 1) // 3)
+        return at_start + 1, spans - at_end

@@ -9,7 +9,12 @@ from tautwire.analyses.force.section import analysed_section, time_in_section
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import PantographRecord, Run
 from tautwire.results.statistics import ContactLoss, LossEvent, Section
-from tautwire.signals.losses import clip_intervals, counted_intervals, loss_intervals
+from tautwire.signals.losses import (
+    clip_intervals,
+    counted_intervals,
+    intervals_between,
+    loss_intervals,
+)
 
 Array = NDArray[np.float64]
 
@@ -83,13 +88,13 @@ def _intervals(run: Run, record: PantographRecord, *, counted: bool) -> tuple[Ar
         return loss_intervals(time, gap)
     number = next(i for i, other in enumerate(run.pantographs) if other is record)
     own = run.events.pantograph == number
-    instants, opens = run.events.time[own], run.events.opens[own]
-    start, end = instants[opens], instants[~opens]
-    if len(opens) and not opens[0]:
-        start = np.concatenate([time[:1], start])
-    if len(opens) and opens[-1]:
-        end = np.concatenate([end, time[-1:]])
-    return start, end
+    if not time.size:
+        return np.empty(0), np.empty(0)
+    begins_lost = bool(gap[np.argmax(~np.isnan(gap))] >= 0.0)
+    limits = (float(time[0]), float(time[-1]))
+    return intervals_between(
+        run.events.time[own], run.events.opens[own], limits, begins_lost=begins_lost
+    )
 
 
 def nearest_place(shape: Equilibrium, position: float) -> str:

@@ -140,7 +140,8 @@ class Simulation:
             system, self.passage.pantographs, options, observed, choices.backend or settings.backend
         )
         self.backend = backend_of(self.stepper)
-        self.step_count = int(np.ceil(self.passage.duration / self.stepping.time_step - 1e-9))
+        whole = np.ceil(self.passage.duration / self.stepping.time_step - 1e-9)
+        self.step_count = int(min(whole, self.passage.latest // self.stepping.time_step))
 
     def blocks(self) -> Iterator[Block]:
         """Advance to the end of the passage, block by block; the last block tells the status."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,13 @@ _LEVEL, _LEVELLINGS = 1e-7, 20
 
 
 @single_threaded
-def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) -> Elasticity:
+def elasticity(
+    model: Model,
+    shape: Equilibrium,
+    *,
+    force: float | None = None,
+    watch: Callable[[int, int], None] | None = None,
+) -> Elasticity:
     """Compute the elasticity at supports, droppers and midway between them.
 
     Every point is a static solve of the nonlinear line (droppers go slack) with a vertical force
@@ -42,6 +49,9 @@ def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) 
         Its static state.
     force
         Vertical force [N]; ``settings.elasticity_force`` by default.
+    watch
+        Called before every point with its number (from 0) and the number of points; what it
+        raises ends the computation.
 
     Returns
     -------
@@ -57,7 +67,11 @@ def elasticity(model: Model, shape: Equilibrium, *, force: float | None = None) 
     force = model.case.settings.elasticity_force if force is None else force
     solver = _solver(model, shape)
     points = _points(model)
-    values = [_flexibility(shape, solver, p, force) for p in points]
+    values = []
+    for number, point in enumerate(points):
+        if watch is not None:
+            watch(number, len(points))
+        values.append(_flexibility(shape, solver, point, force))
     return Elasticity(
         force=force,
         span=np.array([p.span for p in points]),
@@ -191,4 +205,5 @@ def _levelling(flexibility: Array, heights: Array) -> Array:
     border = np.ones((count + 1, count + 1))
     border[:count, :count] = flexibility
     border[:count, -1], border[-1, -1] = -1.0, 0.0
-    return np.linalg.solve(border, np.append(-heights, 0.0))[:count]
+    change: Array = np.linalg.solve(border, np.append(-heights, 0.0))[:count].astype(np.float64)
+    return change

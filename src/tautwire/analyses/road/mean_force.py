@@ -51,12 +51,15 @@ def tune_mean_force(
     Returns
     -------
     Run
-        The last passage, with ``tuning_passes`` among its counters.
+        The last passage, with ``tuning_passes`` among its counters. When the tuning is stopped
+        the last passage that reached its end, or the stopped one where there was none before it,
+        with status ``"partial"``.
 
     Raises
     ------
     ConvergenceError
-        When the mean force is not met within :data:`MOST_PASSES` passages.
+        When the mean force is not met within :data:`MOST_PASSES` passages, or a passage fails;
+        ``error.partial`` is the last passage that reached its end, if there is one.
     """
     target = model.case.scenario.target_mean_force()
     if target is None:
@@ -64,35 +67,71 @@ def tune_mean_force(
     forces = np.array(model.case.uplift_forces())
     slope = np.full(len(forces), _FIRST_SLOPE)
     previous: tuple[Array, Array] | None = None
-    number = 0
-    while True:
-        number += 1
-        run = simulate(
-            model,
-            shape,
-            uplift_forces=forces.tolist(),
-            backend=backend,
-            watch=None if watch is None else lambda p, n=number: watch(n, p),
-        )
-        run = replace(run, counters={**run.counters, "tuning_passes": number})
-        if run.status != "done":
-            return run
-        means = mean_forces(run)
+    finished: Run | None = None
+    means: Array | None = None
+    for number in range(1, MOST_PASSES + 1):
+        try:
+            run = simulate(
+                model,
+                shape,
+                uplift_forces=forces.tolist(),
+                backend=backend,
+                watch=_numbered(watch, number),
+            )
+            run = replace(run, counters={**run.counters, "tuning_passes": number})
+            if run.status != "done":
+                return run if finished is None else _unfinished(finished, means, target)
+            finished, means = run, None
+            means = mean_forces(run)
+        except KeyboardInterrupt:
+            if finished is None:
+                raise
+            return _unfinished(finished, means, target)
+        except ConvergenceError as error:
+            if finished is None:
+                raise
+            kept = _unfinished(finished, means, target)
+            raise ConvergenceError(f"{error} {kept.message}", partial=kept) from error
         if np.abs(means - target).max() <= TUNING_TOLERANCE:
             return run
         if previous is not None:
             slope = _secant_slope(forces - previous[0], means - previous[1], slope)
-        if number == MOST_PASSES:
-            raise ConvergenceError(_missed(means, target), partial=run)
         previous = (forces, means)
         forces = forces + (target - means) / slope
+    assert finished is not None
+    assert means is not None
+    raise ConvergenceError(_missed(means, target), partial=finished)
+
+
+def _numbered(
+    watch: Callable[[int, Progress], bool] | None, number: int
+) -> Callable[[Progress], bool] | None:
+    return None if watch is None else lambda progress: watch(number, progress)
+
+
+def _unfinished(finished: Run, means: Array | None, target: float) -> Run:
+    """Return the last passage that reached its end, of a tuning that was stopped after it.
+
+    Its histories are whole; what a stopped passage has beyond them is a part of the line under a
+    force that is closer to the wanted one.
+    """
+    number = finished.counters["tuning_passes"]
+    reached = "" if means is None else f", with a mean force of {_reached(means)}"
+    message = (
+        f"The mean-force tuning was interrupted after passage {number}, which is kept as a whole"
+        f"{reached} instead of {target:.1f} N. Start it again to tune the force."
+    )
+    return replace(finished, status="partial", message=message)
+
+
+def _reached(means: Array) -> str:
+    return ", ".join(f"{m:.1f} N" for m in means)
 
 
 def _missed(means: Array, target: float) -> str:
-    reached = ", ".join(f"{m:.1f} N" for m in means)
     return (
-        f"mean-force tuning: after {MOST_PASSES} passages the mean forces are {reached} instead of "
-        f"{target:.1f} N. Check scenario.mean_force, or prescribe scenario.uplift_force."
+        f"mean-force tuning: after {MOST_PASSES} passages the mean forces are {_reached(means)} "
+        f"instead of {target:.1f} N. Check scenario.mean_force, or prescribe scenario.uplift_force."
     )
 
 

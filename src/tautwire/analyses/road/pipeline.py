@@ -9,6 +9,7 @@ from typing import Any
 from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.shape import find_shape
+from tautwire.analyses.road.validity import judged
 from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import Model, build
 from tautwire.numerics.motion.backend import Choice
@@ -74,8 +75,12 @@ def run_line(
     backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
 ) -> Run:
-    """Do the same for a line whose shape is known."""
+    """Do the same for a line whose shape is known.
+
+    The warnings of the run name what is outside the model's world, see
+    :mod:`tautwire.analyses.road.validity`.
+    """
     if model.case.scenario.target_mean_force() is not None:
-        return tune_mean_force(model, shape, backend=backend, watch=watch)
+        return judged(tune_mean_force(model, shape, backend=backend, watch=watch))
     once = None if watch is None else lambda progress: watch(1, progress)
-    return simulate(model, shape, backend=backend, watch=once)
+    return judged(simulate(model, shape, backend=backend, watch=once))

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.pipeline import run_case
+from tautwire.analyses.road.validity import judged
 from tautwire.assessment.checks import checks as compute_checks
 from tautwire.assessment.limits import known_system
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, default_folder, prepared_folder
+from tautwire.cli.folders import Files, default_folder, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
@@ -32,6 +34,8 @@ from tautwire.results.storage import save_run
 from tautwire.specs.case import Case
 from tautwire.units import UnitError, parse_quantity
 
+RUN_FILE = "run.nc"
+
 
 @dataclass(frozen=True)
 class RunRequest:
@@ -46,6 +50,8 @@ class RunRequest:
     system : str
     free_uplift : str or None
     with_report : bool
+    force : bool
+        Replace the files of another result.
     """
 
     case: str
@@ -54,6 +60,7 @@ class RunRequest:
     system: str
     free_uplift: str | None
     with_report: bool
+    force: bool = False
 
 
 def run_passage(answer: Answer, request: RunRequest) -> None:
@@ -61,7 +68,8 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
     case = load_case(request.case, request.overrides)
     limits = ReportLimits.of(request.system, request.free_uplift)
     interrupts = Interrupts()
-    with prepared_folder(request.out or default_folder(case.name)) as folder:
+    folder = request.out or default_folder(case.name, request.overrides)
+    with result_folder(folder, force=request.force) as files:
         answer.say(program(case.settings.backend))
         advice = preflight(case)
         refuse_hopeless(advice)
@@ -69,15 +77,31 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
             with interrupts.patient():
-                _present(answer, run, limits, [str(item) for item in advice])
-                complete = run.status == "done" and interrupts.requested is None
-                elasticity = _elasticity(run) if complete else None
-                asked = limits if request.with_report else None
-                _write(answer, Files(folder), run, elasticity, asked)
+                files.write(RUN_FILE, lambda path: save_run(run, path))
+                with _telling_what_is_kept(answer, files):
+                    _present(answer, run, limits, [str(item) for item in advice])
+                    complete = run.status == "done" and interrupts.requested is None
+                    elasticity = _elasticity(run) if complete else None
+                    asked = limits if request.with_report else None
+                    _write(answer, files, run, elasticity, asked)
     if run.status == "failed":
         answer.fail("computation", [run.message], FAILED)
     elif interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
+
+
+@contextmanager
+def _telling_what_is_kept(answer: Answer, files: Files) -> Iterator[None]:
+    """Say where the passage is when its evaluation fails."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except Exception:
+        if RUN_FILE in files.written:
+            path = files.written[RUN_FILE]
+            answer.say(f"the passage is kept in {path}; 'tautwire report {path}' reads it")
+        raise
 
 
 def refuse_hopeless(advice: Sequence[Advice]) -> None:
@@ -134,7 +158,7 @@ def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
     except ConvergenceError as error:
         if not isinstance(error.partial, Run):
             raise
-        return replace(error.partial, status="failed", message=str(error))
+        return judged(replace(error.partial, status="failed", message=str(error)))
 
 
 def _present(answer: Answer, run: Run, limits: ReportLimits, advice: Sequence[str]) -> None:
@@ -168,7 +192,8 @@ def _write(
 ) -> None:
     """Write the files of a run, the most important first; the report where limits are given."""
     text = to_json(answer.document) + "\n"
-    files.write("run.nc", lambda path: save_run(run, path, elasticity))
+    if elasticity is not None:
+        files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
     files.write("results.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
     for number, record in enumerate(run.pantographs, 1):

@@ -5,20 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import backend, program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
+from tautwire.cli.progress import StepWatch
 from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.inputs.load import load_case
-from tautwire.model.build import build
+from tautwire.model.build import Model, build
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.files import write_text
@@ -26,36 +28,75 @@ from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case
 from tautwire.text import csv_text
 
+STATIC_FILE = "static.nc"
 
-def find_static(answer: Answer, reference: str, overrides: Sequence[str], out: Path | None) -> None:
-    """Find the static state of a case, show it, and write its files."""
-    case = load_case(reference, overrides)
-    with nullcontext() if out is None else prepared_folder(out) as folder:
+
+@dataclass(frozen=True)
+class StaticRequest:
+    """What the user asked for.
+
+    Attributes
+    ----------
+    case : str
+        Name or file.
+    overrides : sequence of str
+    out : Path or None
+    force : bool
+        Replace the files of another result.
+    """
+
+    case: str
+    overrides: Sequence[str]
+    out: Path | None
+    force: bool = False
+
+
+def find_static(answer: Answer, request: StaticRequest) -> None:
+    """Find the static state of a case, show it, and write its files.
+
+    The shape is on disk before the elasticity is computed, and stays when that is stopped.
+    """
+    case = load_case(request.case, request.overrides)
+    out, interrupts = request.out, Interrupts()
+    with nullcontext() if out is None else result_folder(out, force=request.force) as files:
         answer.say(program(case.settings.backend))
         begin = time.process_time()
-        with Interrupts().handled():
+        with interrupts.handled():
             model = build(case)
             shape = find_shape(model)
             found = time.process_time()
+            if files is not None:
+                files.write(STATIC_FILE, lambda path: save_equilibrium(shape, path, case))
             answer.say(f"shape found in {found - begin:.1f} s of CPU time; elasticity follows")
-            elasticity = compute_elasticity(model, shape)
-        cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
-        name = backend(case.settings.backend)
-        answer.document.update(static_document(case, shape, elasticity, name, []))
-        answer.document["cost"] = {"dof": shape.position.size, **cost}
-        answer.show(*static_view(case, shape, elasticity))
-        if folder is not None:
-            _write(answer, Files(folder), case, shape, elasticity)
+            elasticity = _elasticity(answer, interrupts, model, shape)
+            cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
+            name = backend(case.settings.backend)
+            with interrupts.patient():
+                answer.document.update(static_document(case, shape, elasticity, name, []))
+                answer.document["cost"] = {"dof": shape.position.size, **cost}
+                answer.show(*static_view(case, shape, elasticity))
+                if files is not None:
+                    _write(answer, files, case, shape, elasticity)
+    answer.exit_code = interrupts.exit_code
+
+
+def _elasticity(
+    answer: Answer, interrupts: Interrupts, model: Model, shape: Equilibrium
+) -> Elasticity | None:
+    """Return the elasticity; None when a signal stopped it."""
+    with StepWatch(answer, interrupts, "elasticity") as watch, interrupts.patient():
+        return compute_elasticity(model, shape, watch=watch)
 
 
 def _write(
-    answer: Answer, files: Files, case: Case, shape: Equilibrium, elasticity: Elasticity
+    answer: Answer, files: Files, case: Case, shape: Equilibrium, elasticity: Elasticity | None
 ) -> None:
     text = to_json(answer.document) + "\n"
-    files.write("static.nc", lambda path: save_equilibrium(shape, path, case, elasticity))
+    if elasticity is not None:
+        files.write(STATIC_FILE, lambda path: save_equilibrium(shape, path, case, elasticity))
+        files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     files.write("static.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(shape, path))
-    files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems:

@@ -70,7 +70,7 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
 def static_document(
     case: Case,
     shape: Equilibrium,
-    elasticity: Elasticity,
+    elasticity: Elasticity | None,
     backend: str,
     warnings: Sequence[str],
 ) -> dict[str, Any]:
@@ -80,17 +80,19 @@ def static_document(
     ----------
     case : Case
     shape : Equilibrium
-    elasticity : Elasticity
+    elasticity : Elasticity or None
+        None when its computation was stopped.
     backend : str
     warnings : sequence of str
     """
     return {
         "case": case.name,
         "version": __version__,
+        "status": "partial" if elasticity is None else "done",
         "conventions": conventions(case, backend),
         "warnings": list(warnings),
         "shape": shape_part(case, shape),
-        "elasticity": elasticity_part(elasticity),
+        "elasticity": None if elasticity is None else elasticity_part(elasticity),
         "case_hash": case.hash(),
     }
 

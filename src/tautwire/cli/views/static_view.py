@@ -15,7 +15,7 @@ MOST_SPANS = 40
 """Lines with more spans show the analysed section only."""
 
 
-def static_view(case: Case, shape: Equilibrium, elasticity: Elasticity) -> list[Any]:
+def static_view(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -> list[Any]:
     """Return the tables of a static state, one span in full and the others in short."""
     first, last = case.resolved_section()
     span = (first + last) // 2
@@ -29,11 +29,9 @@ def static_view(case: Case, shape: Equilibrium, elasticity: Elasticity) -> list[
     ]
 
 
-def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity) -> Any:
+def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -> Any:
     spring = case.supports.closure == "spring"
     arms = "vertical springs instead of steady arms" if spring else _arms(shape)
-    values = 1e3 * elasticity.elasticity
-    extent = f"{values.min():.3f} to {values.max():.3f} mm/N under {elasticity.force:g} N"
     return facts(
         [
             ("line", f"{case.line.spans} spans, {case.line.length():g} m"),
@@ -41,10 +39,20 @@ def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity) -> Any:
             ("weight", f"{shape.weight:.2f} N, reactions {shape.reaction:.2f} N"),
             ("dropper forces", _extent(shape.dropper_forces, "N")),
             ("steady arms", arms),
-            ("elasticity", extent),
-            ("non-uniformity", f"{100 * elasticity.nonuniformity:.1f} %"),
+            *_elasticity_facts(elasticity),
         ]
     )
+
+
+def _elasticity_facts(elasticity: Elasticity | None) -> list[tuple[str, str]]:
+    if elasticity is None:
+        return [("elasticity", "not computed")]
+    values = 1e3 * elasticity.elasticity
+    extent = f"{values.min():.3f} to {values.max():.3f} mm/N under {elasticity.force:g} N"
+    return [
+        ("elasticity", extent),
+        ("non-uniformity", f"{100 * elasticity.nonuniformity:.1f} %"),
+    ]
 
 
 def _arms(shape: Equilibrium) -> str:
@@ -61,14 +69,8 @@ def _extent(values: Any, unit: str) -> str:
     return quantity(low, unit) if high - low < 0.05 else f"{number(low)} to {quantity(high, unit)}"
 
 
-def _span_table(shape: Equilibrium, elasticity: Elasticity, span: int) -> Any:
-    at = {
-        (kind, int(index)): f"{1e3 * value:.4f}"
-        for s, kind, index, value in zip(
-            elasticity.span, elasticity.kind, elasticity.index, elasticity.elasticity, strict=True
-        )
-        if s == span
-    }
+def _span_table(shape: Equilibrium, elasticity: Elasticity | None, span: int) -> Any:
+    at = _elasticity_in(span, elasticity)
     left = shape.support_x[span - 1]
     rows = [
         ("support", "0.000", "", "", "", f"{shape.support_heights[span - 1]:.4f}",
@@ -97,6 +99,18 @@ def _span_table(shape: Equilibrium, elasticity: Elasticity, span: int) -> Any:
         "elasticity\n[mm/N]",
     )
     return table(heads, "lrrrrrr", rows)
+
+
+def _elasticity_in(span: int, elasticity: Elasticity | None) -> dict[tuple[str, int], str]:
+    """Return the elasticity of the points of a span by kind and number; none without it."""
+    if elasticity is None:
+        return {}
+    points = zip(
+        elasticity.span, elasticity.kind, elasticity.index, elasticity.elasticity, strict=True
+    )
+    return {
+        (kind, int(index)): f"{1e3 * value:.4f}" for s, kind, index, value in points if s == span
+    }
 
 
 def _line_table(case: Case, shape: Equilibrium) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.motion.stepper import StepBlock, Stepper
+from tautwire.signals.losses import contact_changes
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -56,33 +57,12 @@ def crossings_between(time: Array, gap: Array) -> list[Crossing]:
     list of Crossing
         In order of time.
     """
-    found = []
-    known = ~np.isnan(gap[:-1])
-    lost = gap >= 0.0
-    for row, column in np.argwhere(known & (lost[1:] != lost[:-1])):
-        before, after = gap[row, column], gap[row + 1, column]
-        at = time[row] - before * (time[row + 1] - time[row]) / (after - before)
-        found.append(Crossing(float(at), int(column), bool(lost[row + 1, column])))
+    found = [
+        Crossing(float(at), number, bool(opens))
+        for number, column in enumerate(gap.T)
+        for at, opens in zip(*contact_changes(time, column), strict=True)
+    ]
     return sorted(found, key=lambda c: c.time)
-
-
-def lost_spans(time: Array, gap: Array) -> list[tuple[float, float]]:
-    """Return when one contact is lost, from the first sample to the last.
-
-    Parameters
-    ----------
-    time : (n,) s
-    gap : (n,) m
-        NaN before the pantograph has entered.
-    """
-    crossings = crossings_between(time, gap[:, None])
-    starts = [c.time for c in crossings if c.opens]
-    ends = [c.time for c in crossings if not c.opens]
-    if gap[0] >= 0.0:
-        starts.insert(0, float(time[0]))
-    if gap[-1] >= 0.0:
-        ends.append(float(time[-1]))
-    return list(zip(starts, ends, strict=True))
 
 
 def suspect_times(time: Array, gap: Array, shortest: float) -> Array:
@@ -159,29 +139,79 @@ def divide_step(stepper: Stepper, time_step: float, gap: Array, tolerance: float
         end = stepper.advance(1, rest)
         if end.status is not Status.RUNNING:
             return DividedStep(tuple(parts), tuple(crossings), end.status)
-        first = _first_crossed(gap, end.gap[0])
-        if first is None:
+        if _first_crossed(gap, end.gap[0]) is None:
             return DividedStep((*parts, end), tuple(crossings), Status.RUNNING)
         stepper.rewind(start)
-        bracket = _Bracket(rest, float(gap[first]), float(end.gap[0, first]), tolerance)
-        located = _locate(stepper, start, first, bracket)
+        located = _locate_first(stepper, start, gap, (rest, end.gap[0]), tolerance)
         if isinstance(located, Status):
             return DividedStep(tuple(parts), tuple(crossings), located)
-        crossings.append(Crossing(since + bracket.zero(), first, bracket.opens))
-        parts.append(located)
-        gap, rest = located.gap[0], rest - bracket.right
+        crossings += (Crossing(since + at, who, opens) for at, who, opens in located.changes)
+        parts.append(located.part)
+        gap, rest = located.part.gap[0], rest - located.step
         if rest <= _SHORTEST * time_step:
             return DividedStep(tuple(parts), tuple(crossings), Status.RUNNING)
     return DividedStep(tuple(parts), tuple(crossings), Status.TOO_MANY_LOSSES)
 
 
+def _crossed(before: Array, after: Array) -> NDArray[np.int64]:
+    """Return the pantographs whose contact changes, in order of time on straight lines."""
+    crossed = np.flatnonzero(~np.isnan(before) & ((before >= 0.0) != (after >= 0.0)))
+    shares = before[crossed] / (before[crossed] - after[crossed])
+    return crossed[np.argsort(shares, kind="stable")]
+
+
 def _first_crossed(before: Array, after: Array) -> int | None:
     """Return the pantograph whose contact changes first, on straight lines; None without any."""
-    crossed = np.flatnonzero(~np.isnan(before) & ((before >= 0.0) != (after >= 0.0)))
-    if not len(crossed):
-        return None
+    crossed = _crossed(before, after)
+    return int(crossed[0]) if len(crossed) else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Located:
+    """A sub-step that ends where contact changes.
+
+    Attributes
+    ----------
+    part : StepBlock
+    step : float s
+        Its length.
+    changes : tuple of (s, int, bool)
+        Instant from the start of the sub-step, pantograph, and whether the contact opens.
+    """
+
+    part: StepBlock
+    step: float
+    changes: tuple[tuple[float, int, bool], ...]
+
+
+def _locate_first(
+    stepper: Stepper, start: object, before: Array, end: tuple[float, Array], tolerance: float
+) -> _Located | Status:
+    """Solve the sub-step up to the first change of contact, and stay there.
+
+    Which one is first is not known before: a contact may change back within the step, or earlier
+    than its straight line says. Where a sub-step up to one change holds others, the first of
+    these is sought within it. Changes that no shorter sub-step tells apart are taken together.
+    """
+    step, after = end
+    sought = _crossed(before, after)[:1]
+    while True:
+        who = int(sought[-1])
+        bracket = _Bracket(step, float(before[who]), float(after[who]), tolerance)
+        part = _locate(stepper, start, who, bracket)
+        if isinstance(part, Status):
+            return part
+        step, after = bracket.right, part.gap[0]
+        crossed = _crossed(before, after)
+        others = crossed[~np.isin(crossed, sought)]
+        if not len(others):
+            break
+        sought = np.append(sought, others[:1])
     shares = before[crossed] / (before[crossed] - after[crossed])
-    return int(crossed[np.argmin(shares)])
+    instants = np.where(crossed == who, bracket.zero(), shares * step)
+    opens = after[crossed] >= 0.0
+    changes = sorted(zip(instants.tolist(), crossed.tolist(), opens.tolist(), strict=True))
+    return _Located(part, step, tuple(changes))
 
 
 class _Bracket:

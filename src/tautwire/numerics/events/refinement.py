@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.events.crossings import crossings_between, lost_spans, suspect_times
+from tautwire.numerics.events.crossings import crossings_between, suspect_times
 from tautwire.numerics.events.step_control import MOST_LOSSES, Chunk, LossCounter, Task
 from tautwire.numerics.motion.stepper import StepBlock
+from tautwire.signals.losses import loss_intervals
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -259,7 +260,8 @@ def _joined(segments: Sequence[_Segment]) -> tuple[Array, Array]:
 def _losses(segments: Sequence[_Segment]) -> Spans:
     """Return the spans of time in which each pantograph has lost contact."""
     time, gap = _joined(segments)
-    return tuple(lost_spans(time, column) for column in gap.T)
+    intervals = (loss_intervals(time, column) for column in gap.T)
+    return tuple(list(zip(start.tolist(), end.tolist(), strict=True)) for start, end in intervals)
 
 
 def _difference(coarse: Spans, fine: Spans) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.report.parts import sections
-from tautwire.report.parts.blocks import Animation, Section
+from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
 from tautwire.report.parts.conditions import conditions_section
 from tautwire.report.parts.losses import loss_section
 from tautwire.report.parts.summary import run_checks, summary_section
@@ -175,9 +175,12 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
         name: folder.joinpath(name).read_text(encoding="utf-8")
         for name in ("style.css", "figures.js", "animation.js")
     }
-    moving = any(isinstance(block, Animation) for part in contents for block in part.blocks)
-    scripts = [without_addresses(get_plotlyjs()), own["figures.js"]]
-    scripts += [own["animation.js"]] if moving else []
+    kinds = {type(block) for part in contents for block in part.blocks}
+    scripts = []
+    if kinds & {Chart, Pair}:
+        scripts += [without_addresses(get_plotlyjs()), own["figures.js"]]
+    if Animation in kinds:
+        scripts.append(own["animation.js"])
     return environment.get_template("page.html.j2").render(
         sections=contents,
         style=own["style.css"],

@@ -12,6 +12,7 @@ import dataclasses
 import hashlib
 import json
 from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,8 @@ def _add(found: Any, value: Any) -> None:
         for field in dataclasses.fields(value):
             found.update(field.name.encode())
             _add(found, getattr(value, field.name))
+    elif isinstance(value, Mapping):
+        _add(found, list(value.items()))
     elif isinstance(value, (tuple, list)):
         found.update(f"{len(value)} of".encode())
         for item in value:

@@ -6,13 +6,11 @@ A row holds SI numbers only, so it can be written as JSON and sent between machi
 from __future__ import annotations
 
 import math
-import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautwire.errors import ConvergenceError, InputError, ModelError
@@ -131,6 +129,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
     from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
     from tautwire.analyses.force.statistics import contact_statistics
     from tautwire.analyses.road.pipeline import run_line
+    from tautwire.results.storage import run_image
     from tautwire.signals.filters import Butterworth, SharpLowpass
 
     run = run_line(*_lines().at_rest(case))
@@ -166,7 +165,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "backend": str(run.counters.get("backend", "")),
         "pantographs": pantographs,
     }
-    return values, run_bytes(run) if keep_run else None
+    return values, run_image(run) if keep_run else None
 
 
 @cache
@@ -175,19 +174,6 @@ def _lines() -> Lines:
     from tautwire.studies.execution.setup import Lines
 
     return Lines()
-
-
-def run_bytes(run: Any) -> bytes:
-    """Return a run as the bytes of its netCDF file."""
-    from tautwire.results.storage import save_run
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.nc"
-        try:
-            save_run(run, path)
-        except InputError as error:
-            raise OSError(str(error)) from error
-        return path.read_bytes()
 
 
 def plain(value: Any) -> Any:

@@ -1,0 +1,123 @@
+"""Is a passage inside the world of its model? Numbers can be finite and still mean nothing.
+
+The model knows a wire that a head pushes from below. It knows no collision with the messenger
+wire, no mechanical stop of the pantograph, and a contact only as a stiff spring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.results.run import PantographRecord, Run
+from tautwire.specs.scenario import TUNING_TOLERANCE
+
+Array = NDArray[np.float64]
+
+FALLEN = 0.5
+"""Distance of a raised head from the wire beyond which it follows it no more [m]: longer than the
+longest losses of contact (0.2 s at 1 m/s), shorter than the way to the lowered position."""
+
+PIERCED = 0.05
+"""Penetration beyond which the head is above the wire instead of pressed to it [m]: the height of a
+collector strip and a contact wire together."""
+
+TUNING_SHARE = 0.05
+"""Share of the wanted mean force beyond which the tolerance of its tuning is told."""
+
+
+def judged(run: Run) -> Run:
+    """Return a run whose warnings also name what is outside the model's world."""
+    return replace(run, warnings=(*run.warnings, *outside_the_model(run)))
+
+
+def outside_the_model(run: Run) -> tuple[str, ...]:
+    """Name what a passage did that its model cannot describe.
+
+    Parameters
+    ----------
+    run : Run
+        Also a partial one.
+
+    Returns
+    -------
+    tuple of str
+        One sentence each with place, instant and number; empty for a passage as it should be.
+    """
+    found = [
+        *_uplift(run),
+        *(text for record in run.pantographs for text in _head(run, record)),
+        *_tuning(run),
+    ]
+    return tuple(f"outside the model: {text}" for text in found)
+
+
+def _uplift(run: Run) -> Iterator[str]:
+    """Tell that the contact wire is lifted above the messenger wire at a support."""
+    if not run.time.size:
+        return
+    shape = run.equilibrium
+    room = _messenger_height(run, shape.support_x) - shape.support_heights
+    largest = run.support_uplift.max(axis=0)
+    over = np.flatnonzero(largest > room)
+    if len(over):
+        worst = over[np.argmax((largest - room)[over])]
+        yield (
+            f"the contact wire rises by {largest[worst]:.2f} m at support "
+            f"{shape.support_number[worst]}, where the "
+            f"messenger wire hangs {room[worst]:.2f} m above it; the two do not collide in the "
+            "model: check the uplift force and the tensions"
+        )
+
+
+def _head(run: Run, record: PantographRecord) -> Iterator[str]:
+    """Tell that a head left the wire for good, went through it, or lifts it above the messenger."""
+    known = record.active & ~np.isnan(record.gap)
+    if not known.any() or record.uplift_force <= 0.0:  # a lowered head is meant to be below
+        return
+    gap, who = np.where(known, record.gap, 0.0), f"the head of pantograph {record.name!r}"
+
+    def place(row: np.intp) -> str:
+        return f"at t = {run.time[row]:.3f} s, x = {record.position[row]:.1f} m"
+
+    low, high = np.argmax(gap), np.argmin(gap)
+    if gap[low] > FALLEN:
+        yield (
+            f"{who} hangs {gap[low]:.2f} m below the wire {place(low)}; the uplift force does not "
+            "hold it up: check it, the base spring and the damping of the pantograph"
+        )
+    if gap[high] < -PIERCED:
+        yield (
+            f"{who} stands {-gap[high]:.3f} m above the wire that it presses {place(high)}; it has "
+            "gone through it: raise settings.contact_stiffness (typical: 50 to 200 kN/m)"
+        )
+    lifted = np.where(known, record.wire_height - _messenger_height(run, record.position), -np.inf)
+    top = np.argmax(lifted)
+    if lifted[top] > 0.0:
+        yield (
+            f"{who} lifts the contact wire {lifted[top]:.2f} m above the messenger wire at rest "
+            f"{place(top)}; the two do not collide in the model: check the uplift force"
+        )
+
+
+def _tuning(run: Run) -> Iterator[str]:
+    """Tell that the wanted mean force is hardly larger than the tolerance of its tuning."""
+    target = run.case.scenario.target_mean_force()
+    if target is not None and TUNING_SHARE * target < TUNING_TOLERANCE:
+        yield (
+            f"the mean force of {target:g} N is met to {TUNING_TOLERANCE:g} N, which is "
+            f"{100.0 * TUNING_TOLERANCE / target:.0f} % of it; the uplift force found is "
+            "arbitrary: check scenario.mean_force (typical: 70 to 170 N)"
+        )
+
+
+def _messenger_height(run: Run, x: Array) -> Array:
+    """Return the height of the lowest messenger wire at rest over some places; inf without one."""
+    lowest = np.full(np.shape(x), np.inf)
+    for wire in run.equilibrium.of_role("messenger"):
+        height = np.interp(x, wire.s, wire.position[:, 2], left=np.inf, right=np.inf)
+        lowest = np.minimum(lowest, height)
+    return lowest
