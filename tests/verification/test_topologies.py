@@ -94,7 +94,7 @@ def overlapping() -> dict[str, Any]:
         {"name": "T1", "masts": [1, 6], "ends": {"left": "anchored", "right": "weighted"}},
         {"name": "T2", "masts": [3, 10], "ends": "weighted", "fixed_point": 8},
     ]
-    data["overlaps"] = [{"use": "three-span", "rise": 0.3}]
+    data["overlaps"] = [{"kind": "three-span", "rise": 0.3}]
     data["settings"]["section"] = [3, 6]
     return data
 

@@ -128,7 +128,7 @@ class _Expansion:
         for run in self.runs():
             for end in (run.start, run.end):
                 if end.kind == "clamped":
-                    yield Joint(At(end.host, end.s), At(run.name, end.s))
+                    yield Joint(At(end.host, end.s), At(run.name, end.s), run.wire.clamp)
 
     def hangers(self) -> Iterator[Hanger]:
         for one in self.case.dropper_sets:

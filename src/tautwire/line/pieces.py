@@ -121,10 +121,18 @@ class Hanger:
 
 @dataclass(frozen=True)
 class Joint:
-    """Two runs clamped to each other at one place, turning freely."""
+    """Two runs clamped to each other at one place, turning freely.
+
+    Attributes
+    ----------
+    host, other : At
+    clamp : float kg
+        Mass, on the host.
+    """
 
     host: At
     other: At
+    clamp: float
 
 
 @dataclass(frozen=True)

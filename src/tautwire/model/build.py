@@ -112,6 +112,8 @@ def _lumped_masses(line: Line, mesh: Mesh) -> Array:
     for hanger in line.hangers:
         mass[mesh.node(hanger.upper)] += hanger.clamps[0]
         mass[mesh.node(hanger.lower)] += hanger.clamps[1]
+    for joint in line.joints:
+        mass[mesh.node(joint.host)] += joint.clamp
     for piece in line.registrations:
         mass[mesh.node(piece.at)] += piece.clamp + piece.kind.mass
     return mass

@@ -70,7 +70,7 @@ class Overlap(Spec):
     its own weight, and has no droppers from there to the anchor.
     """
 
-    use: Literal["three-span", "four-span", "five-span"] | None = Field(
+    kind: Literal["three-span", "four-span", "five-span"] | None = Field(
         default=None,
         description="Number of spans that the two share, as a check; it follows from their masts.",
     )
@@ -88,4 +88,4 @@ class Overlap(Spec):
 
     def possible_spans(self) -> tuple[int, ...]:
         """Return how many spans the two tension lengths may share."""
-        return (_SPANS[self.use],) if self.use else tuple(_SPANS.values())
+        return (_SPANS[self.kind],) if self.kind else tuple(_SPANS.values())

@@ -58,6 +58,9 @@ class Wire(Spec):
     clamped_to: str | None = Field(
         default=None, description="Stitch wires: name of the wire that holds the ends."
     )
+    clamp: Annotated[float, Quantity("kg", ge=0.0, le=10.0, typical="0.38 kg")] = Field(
+        default=0.0, description="Stitch wires: mass of the clamp at each end."
+    )
     below: Distance | None = Field(
         default=None,
         description="Auxiliary wires: depth below the messenger wire at the supports; between them "
@@ -75,6 +78,8 @@ class Wire(Spec):
                     problems.append(Problem(path, f"is missing; a wire of role '{role}' needs it"))
                 elif self.role != role and given:
                     problems.append(Problem(path, f"belongs to wires of role '{role}' only"))
+        if self.clamp and self.role != "stitch":
+            problems.append(Problem(("clamp",), "belongs to wires of role 'stitch' only"))
         if self.from_ is not None and self.to is not None and self.from_ >= self.to:
             problems.append(Problem(("to",), f"got {self.to:g} m, not right of {self.from_:g} m"))
         refuse(problems)
