@@ -169,11 +169,12 @@ def test_dropper_table_has_units_and_all_droppers() -> None:
     """The dropper table has one row per dropper and units in its head."""
     shape = make_equilibrium(make_case(spans=3))
     head, *rows = _rows(dropper_table_csv(shape))
-    assert head[:4] == ["span", "dropper", "position [m]", "unstrained length [m]"]
+    assert head[:5] == ["span", "dropper", "position [m]", "x [m]", "unstrained length [m]"]
     assert "force [N]" in head
     assert len(rows) == 27
     assert rows[9][:2] == ["2", "1"]
-    assert float(rows[9][3]) == pytest.approx(shape.dropper_lengths_unstrained[9], abs=1e-6)
+    assert [float(rows[9][2]), float(rows[9][3])] == [4.5, 59.5]
+    assert float(rows[9][4]) == pytest.approx(shape.dropper_lengths_unstrained[9], abs=1e-6)
 
 
 def test_force_history_names_its_filters() -> None:

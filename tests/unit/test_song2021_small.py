@@ -11,10 +11,10 @@ import pytest
 
 from tautwire.reproductions.song2021.claims import NO_VALUE, VERDICTS
 from tautwire.reproductions.song2021.pages.output import writers
-from tautwire.reproductions.song2021.passages import Scope
+from tautwire.reproductions.song2021.passages import UNCALIBRATED, Scope
 from tautwire.reproductions.song2021.reproduction import reproduce
 
-TINY = Scope("tiny", 9, (500,), (), (500,), ("heights",))
+TINY = Scope("tiny", 9, (UNCALIBRATED,), ("hinged",), (), ((UNCALIBRATED, "rough"),), (1, 2))
 SHORT = {"line.spans": 4}
 
 

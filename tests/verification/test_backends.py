@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+from tautwire.model.preflight import preflight
 from tautwire.numerics.elements import ancf
 from tautwire.numerics.motion import backend
 from tautwire.numerics.motion.dispersion import wave_stiffening
-from tautwire.numerics.motion.stepper import RoofMotion, StepBlock, StepOptions, SurfaceProfile
+from tautwire.numerics.motion.stepper import (
+    RoofMotion,
+    StepBlock,
+    StepOptions,
+    SurfaceProfile,
+    reachable_tolerance,
+)
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
@@ -147,27 +158,129 @@ def test_leaving_the_wire_is_told() -> None:
         assert len(block.time) == 5
 
 
-@pytest.mark.parametrize("level", ["v2", "v3", "v4"])
-def test_every_instruction_set(level: str) -> None:
-    """Each instruction set gives the forces of the reference to 1e-10."""
-    program = (
-        "from tests.verification.test_backends import random_cables, ancf, backend\n"
-        "import numpy as np\n"
-        "e, s = random_cables(19)\n"
-        "a, b = backend.cable_force(e, s, 'native'), ancf.force(e, s)\n"
-        "print(np.abs(a - b).max() <= 1e-10 * np.abs(b).max(), backend.backend_name('native'))\n"
+KERNELS: tuple[str, ...] = backend._load()[0].built if backend.native_available() else ("none",)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_every_set_of_kernels(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every set of kernels, that without vector types too, gives the reference's numbers.
+
+    Element forces and tangents to 1e-10, the force of a passage solved to 1e-12 m to 1e-5 N.
+    """
+    monkeypatch.setenv(backend.SIMD_VARIABLE, name)
+    core = backend._load()[0]
+    assert core is not None
+    if name not in core.runnable:
+        pytest.skip(f"this processor cannot run the kernels {name}")
+    e, section = random_cables(19)
+    for given, expected in (
+        (backend.cable_force(e, section, "native"), ancf.force(e, section)),
+        (backend.cable_tangent(e, section, "native"), ancf.tangent(e, section)),
+    ):
+        assert np.abs(given - expected).max() <= 1e-10 * np.abs(expected).max()
+    (native, _), (reference, _) = (
+        passage(choice, TWO_SPANS, tolerance=1e-12) for choice in ("native", "reference")
     )
-    environment = os.environ | {"TAUTWIRE_SIMD": level}
+    assert core.instruction_set() == name
+    np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("choice", ["auto", "native"])
+def test_unknown_kernels_are_refused(choice: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A misspelt instruction set is refused with those there are, never computed by NumPy."""
+    monkeypatch.setenv(backend.SIMD_VARIABLE, "avx2")
+    with pytest.raises(InputError, match=r"TAUTWIRE_SIMD: got 'avx2'; .*plain.* fastest"):
+        backend.backend_name(choice)
+    assert backend.backend_name("reference") == "reference (NumPy)"
+
+
+def test_misspelt_kernels_end_the_program(tmp_path: Path) -> None:
+    """The command line ends with exit code 2 and the names that are allowed."""
     answer = subprocess.run(
-        [sys.executable, "-c", program],
+        [sys.executable, "-m", "tautwire", "--version"],
         capture_output=True,
         text=True,
-        env=environment,
+        env=os.environ | {backend.SIMD_VARIABLE: "AVX512"},
+        cwd=tmp_path,
         check=False,
     )
-    if "compiled core is not available" in answer.stderr:
-        pytest.skip(f"this processor has no x86-64-{level}")
-    assert answer.stdout.startswith("True"), answer.stderr
+    assert answer.returncode == 2
+    assert "TAUTWIRE_SIMD: got 'AVX512'" in answer.stderr
+    assert "Traceback" not in answer.stderr
+
+
+def test_native_is_refused_where_it_cannot_compute() -> None:
+    """The compiled core asked for by name on a line it cannot compute is an error."""
+    system = straight_wire(20.0, 40)
+    with pytest.raises(InputError, match="'native' computes lines of two wires"):
+        backend.make_stepper(system, (), StepOptions(Newmark(), 1e-3, 2e5), np.array([2]), "native")
+
+
+FINE: dict[str, Any] = TWO_SPANS | {"settings__nodes_between_droppers": 9}
+
+
+@pytest.mark.parametrize("time_step", [3.4e-3, 5e-3])
+def test_long_steps(time_step: float) -> None:
+    """Both backends take the same long steps, to equal forces within 1e-4 N.
+
+    There the prediction is so poor that the tangent at it, or at an iterate, is indefinite.
+    """
+    system, pantographs = entering(ac_simple(**FINE))
+    options = StepOptions(Newmark(), time_step, 2e5, tolerance=1e-11)
+    steps = round(0.75 / time_step)
+    native, reference = (
+        backend.make_stepper(system, pantographs, options, np.array([2]), choice)  # type: ignore[arg-type]
+        for choice in ("native", "reference")
+    )
+    blocks = native.advance(steps), reference.advance(steps)
+    assert [len(block.time) for block in blocks] == [steps, steps]
+    np.testing.assert_allclose(*(b.contact_force for b in blocks), rtol=0.0, atol=1e-4)
+    assert native.counters.full_newton_steps > 0
+
+
+@pytest.mark.parametrize("time_step", [1e-3, 2e-3])
+def test_smallest_tolerance(time_step: float) -> None:
+    """The smallest tolerance that is allowed, 1e-12 m, is reached as far as rounding lets it."""
+    case = ac_simple(**TWO_SPANS | {"settings__nodes_between_droppers": 15})
+    system, pantographs = entering(case)
+    options = StepOptions(Newmark(), time_step, 2e5, tolerance=1e-12)
+    assert 1e-12 < reachable_tolerance(system, options) < 2e-11
+    stepper = backend.make_stepper(system, pantographs, options, np.array([2]), "native")
+    steps = round(1.0 / time_step)
+    assert len(stepper.advance(steps).time) == steps
+
+
+@pytest.mark.parametrize("nodes", [9, 15])
+def test_advised_step_runs(nodes: int) -> None:
+    """The step that the check advises for a head on its contact spring can be computed."""
+    case = ac_simple(**TWO_SPANS | {"settings__nodes_between_droppers": nodes})
+    too_long = case.with_(**{"settings.time_step": 0.01})
+    (advice,) = (a for a in preflight(too_long) if "on the contact spring" in a.text)
+    found = re.match(r"settings.time_step: ([\d.]+) ms", advice.cure)
+    assert found is not None
+    step = 1e-3 * float(found[1])
+    assert step > 3e-3
+    system, pantographs = entering(case)
+    options = StepOptions(Newmark(), step, 2e5)
+    stepper = backend.make_stepper(system, pantographs, options, np.array([2]), "native")
+    steps = round(1.0 / step)
+    assert len(stepper.advance(steps).time) == steps
+
+
+def test_full_newton_alike() -> None:
+    """Full Newton needs as many iterations in both backends: their tangents are the same.
+
+    Droppers that are stretched but shorten so fast that they carry no force are slack in both.
+    """
+    case = load_case("ac-simple", {"line.spans": 4, "settings.section": (2, 2)})
+    system, pantographs = entering(case)
+    options = StepOptions(Newmark(), 3e-3, 2e5, full_newton=True)
+    counts = []
+    for choice in ("native", "reference"):
+        stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)  # type: ignore[arg-type]
+        assert len(stepper.advance(280).time) == 280
+        counts.append(stepper.counters.iterations)
+    assert counts[0] == pytest.approx(counts[1], abs=3)
 
 
 @pytest.mark.parametrize("choice", ["native", "reference"])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.shape import find_shape
 from tautwire.analyses.vibration.modes import (
     free_wire_frequency,
     mode_spectrum,
@@ -19,7 +20,7 @@ from tautwire.analyses.vibration.modes import (
 from tautwire.analyses.vibration.wavelengths import line_lengths
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
-from tautwire.model.build import Model
+from tautwire.model.build import Model, build
 from tautwire.numerics.network.system import System
 from tautwire.numerics.vibration.eigen import Vibration
 from tautwire.results.equilibrium import Equilibrium
@@ -171,10 +172,24 @@ def test_empty_band(short_line: tuple[Model, Equilibrium, System]) -> None:
 def test_free_wire_frequencies() -> None:
     """DD/2, SD/2 and DD/4 of AC simple belong to about 45, 58 and 95 Hz (dispersion relation)."""
     case = load_case("ac-simple")
-    lengths = line_lengths(case).named()
+    model = build(case)
+    shape, lengths = find_shape(model), line_lengths(case).named()
     expected = {"DD/2": 45.0, "SD/2": 58.0, "DD/4": 95.0}
     for name, frequency in expected.items():
-        assert free_wire_frequency(case, lengths[name]) == pytest.approx(frequency, rel=0.01)
+        found_at = free_wire_frequency(model, shape, lengths[name])
+        assert found_at == pytest.approx(frequency, rel=0.01)
+
+
+def test_free_wire_carries_clamps_and_half_droppers() -> None:
+    """The wire's mass in the dispersion relation is that of the line: clamps and half droppers."""
+    case = {"droppers__mass": "3 kg/m", "settings__section": (1, 3)}
+    model, shape, system = found(ac_simple(**case))
+    wire, k = model.case.wires.contact, 2.0 * math.pi / 10.0
+    hung = float(system.node_mass[system.ties.nodes[:, 1]].sum())
+    mass = wire.mass + hung / model.case.line.length()
+    expected = math.sqrt((wire.tension * k**2 + wire.bending_stiffness * k**4) / mass)
+    given = 2.0 * math.pi * free_wire_frequency(model, shape, 10.0)
+    assert given == pytest.approx(expected, rel=1e-9)
 
 
 def test_mode_sensitive_to_half_a_dropper_interval(

@@ -18,7 +18,7 @@ from tautwire.line.expand import expand
 from tautwire.model.build import build
 from tautwire.model.equations import equations
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.motion.backend import UnsuitableLineError, native_available
+from tautwire.numerics.motion.backend import NativeCoreMissingError, native_available
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import internal_force
 from tautwire.results.equilibrium import Equilibrium
@@ -272,7 +272,7 @@ def test_native_is_refused_where_it_cannot() -> None:
         pytest.skip("no compiled core")
     model = build(Case.model_validate(stitched()))
     shape = find_shape(model)
-    with pytest.raises(UnsuitableLineError, match="two wires"):
+    with pytest.raises(NativeCoreMissingError, match="two wires"):
         simulate(model, shape, backend="native")
     run = simulate(model, shape, backend="auto", watch=lambda _: True)
     assert run.counters["backend"] == "reference (NumPy)"

@@ -7,9 +7,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-instruction_set: str
-lanes: int
+built: tuple[str, ...]
+runnable: tuple[str, ...]
 
+def instruction_set() -> str: ...
+def use(name: str) -> None: ...
 def cable_force(e: Array, length: Array, axial: Array, bending: Array, out: Array) -> None: ...
 def cable_tangent(e: Array, length: Array, axial: Array, bending: Array, out: Array) -> None: ...
 

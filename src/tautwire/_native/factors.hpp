@@ -47,9 +47,13 @@ public:
     Apart& apart() { return *selected_->solver; }
     Coupled& coupled() { return *coupled_; }
 
-    // Factor the selected matrix anew at coordinates q.
+    // Factor the selected matrix anew at coordinates q; when it is not positive definite there, it
+    // stays that of the static state.
     bool renew(const Buffer<Row>& q) {
-        return factor(selected_->solver->matrix, factors_of(selected_->time_step), q, nullptr);
+        const Factors factors = factors_of(selected_->time_step);
+        if (factor(selected_->solver->matrix, factors, q, nullptr)) return true;
+        factor(selected_->solver->matrix, factors, line_.position, nullptr);
+        return false;
     }
     // Factor the exact tangent at q and v of a step, taut droppers included, as `coupled`.
     bool factor_coupled(const Buffer<Row>& q, const Buffer<Row>& v, double time_step) {

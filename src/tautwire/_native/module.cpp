@@ -1,10 +1,12 @@
-// Python bindings, and the choice of the instruction set at import.
+// Python bindings, and the choice of the instruction set.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/tuple.h>
 
-#include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "arguments.hpp"
 #include "engine.hpp"
@@ -178,13 +180,31 @@ void run_cables(CableKernel kernel, std::size_t factor, nb::object e, nb::object
            given.array<double>(out, factor * n, "out"));
 }
 
+nb::object names_of(const std::vector<const Backend*>& backends) {
+    nb::list names;
+    for (const Backend* backend : backends) names.append(backend->name);
+    return nb::tuple(names);
+}
+
+// Make everything that follows use the kernels of an instruction set.
+void use(const char* name) {
+    for (const Backend* backend : runnable_backends())
+        if (!std::strcmp(backend->name, name)) {
+            chosen = backend;
+            return;
+        }
+    throw nb::value_error((std::string("no kernels named '") + name + "' run here").c_str());
+}
+
 }  // namespace
 
 NB_MODULE(_core, m) {
-    chosen = choose_backend(std::getenv("TAUTWIRE_SIMD"));
+    chosen = runnable_backends().front();
     m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
-    m.attr("instruction_set") = chosen->name;
-    m.attr("lanes") = chosen->lanes;
+    m.attr("built") = names_of(built_backends());
+    m.attr("runnable") = names_of(runnable_backends());
+    m.def("instruction_set", [] { return chosen->name; });
+    m.def("use", &use, nb::arg("name"));
     m.def("cable_force", [](nb::object e, nb::object length, nb::object axial, nb::object bending,
                             nb::object out) {
         run_cables(chosen->cable_force, 12, e, length, axial, bending, out);

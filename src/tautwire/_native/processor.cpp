@@ -2,39 +2,39 @@
 
 #include <chrono>
 #include <cstring>
-#include <stdexcept>
-#include <string>
+#include <iterator>
+#include <vector>
 
 #if defined(_MSC_VER) && defined(_M_X64)
+#define NOMINMAX  // windows.h must not define min and max
+#define WIN32_LEAN_AND_MEAN
 #include <windows.h>
 #endif
 
 namespace tautwire {
 
-// Defined by kernel.cpp, once per instruction set; TAUTWIRE_X86 comes from CMakeLists.txt.
-#ifdef TAUTWIRE_X86
-namespace v4 {
-extern const Backend kBackend;
-}
-namespace v3 {
-extern const Backend kBackend;
-}
-namespace v2 {
-extern const Backend kBackend;
-}
-const Backend* const kBackends[] = {&v4::kBackend, &v3::kBackend, &v2::kBackend};  // fastest first
-#else
-namespace generic {
-extern const Backend kBackend;
-}
-const Backend* const kBackends[] = {&generic::kBackend};
-#endif
+// Defined by kernel.cpp, once per set of kernels; CMakeLists.txt writes kernels.inc, fastest first.
+// The plain kernels use no vector types and run everywhere.
+#define TAUTWIRE_KERNELS(set)      \
+    namespace set {                \
+    extern const Backend kBackend; \
+    }
+#include "kernels.inc"
+#undef TAUTWIRE_KERNELS
+
+const Backend* const kBackends[] = {
+#define TAUTWIRE_KERNELS(set) &set::kBackend,
+#include "kernels.inc"
+#undef TAUTWIRE_KERNELS
+};
 
 namespace {
 
 bool runs(const char* name) {
 #if defined(_MSC_VER) && defined(_M_X64)
-    constexpr DWORD kAvx2 = 40, kAvx512 = 41;  // PF_..._INSTRUCTIONS_AVAILABLE, missing in old SDKs
+    // PF_..._INSTRUCTIONS_AVAILABLE, missing in old SDKs.
+    constexpr DWORD kSse42 = 38, kAvx2 = 40, kAvx512 = 41;
+    if (!std::strcmp(name, "v2")) return IsProcessorFeaturePresent(kSse42);
     if (!std::strcmp(name, "v4")) return IsProcessorFeaturePresent(kAvx512);
     if (!std::strcmp(name, "v3")) return IsProcessorFeaturePresent(kAvx2);
 #elif defined(__x86_64__)
@@ -59,12 +59,15 @@ double seconds() {
     return std::chrono::duration<double>(now).count();
 }
 
-const Backend* choose_backend(const char* wanted) {
+std::vector<const Backend*> built_backends() {
+    return {std::begin(kBackends), std::end(kBackends)};
+}
+
+std::vector<const Backend*> runnable_backends() {
+    std::vector<const Backend*> out;
     for (const Backend* backend : kBackends)
-        if ((!wanted || !*wanted || !std::strcmp(wanted, backend->name)) && runs(backend->name))
-            return backend;
-    throw std::runtime_error(std::string("no compiled kernels for this processor") +
-                             (wanted ? std::string(" with TAUTWIRE_SIMD=") + wanted : ""));
+        if (runs(backend->name)) out.push_back(backend);
+    return out;
 }
 
 }  // namespace tautwire

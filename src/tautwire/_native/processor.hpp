@@ -1,12 +1,14 @@
-// Which compiled kernels this processor can run.
+// Which compiled kernels there are, and which of them this processor can run.
 #pragma once
+
+#include <vector>
 
 #include "engine.hpp"
 
 namespace tautwire {
 
-// Return the fastest kernels, or those named by `wanted` (when not null); throw when the processor
-// cannot run them.
-const Backend* choose_backend(const char* wanted);
+// Fastest first; the last ones, without vector types, run on every processor.
+std::vector<const Backend*> built_backends();
+std::vector<const Backend*> runnable_backends();
 
 }  // namespace tautwire

@@ -21,6 +21,16 @@
 #error "define TAUTWIRE_LANES (doubles per register) and TAUTWIRE_ISA (name of the instruction set)"
 #endif
 
+// Whether the compiler has vector types. clang has them whichever compiler it stands in for, with
+// cl's command line too, where __GNUC__ is not defined. The build sets 0 for the plain kernels.
+#ifndef TAUTWIRE_VECTORS
+#if defined(__clang__) || defined(__GNUC__)
+#define TAUTWIRE_VECTORS 1
+#else
+#define TAUTWIRE_VECTORS 0
+#endif
+#endif
+
 #if defined(__clang__)
 #define TAUTWIRE_INLINE [[gnu::always_inline]] inline
 #define TAUTWIRE_UNROLL _Pragma("unroll")
@@ -36,7 +46,7 @@ namespace tautwire::TAUTWIRE_ISA {
 
 inline constexpr int kLanes = TAUTWIRE_LANES;
 
-#if defined(__GNUC__)
+#if TAUTWIRE_VECTORS
 
 template <class T, int N>
 struct PackOf {
@@ -48,7 +58,7 @@ using Pack = typename PackOf<T, N>::type;
 #else  // compilers without vector extensions: a plain array that the optimiser may vectorise
 
 template <class T, int N>
-struct Pack {
+struct alignas(N * sizeof(T)) Pack {
     T lane[N];
     T& operator[](int i) { return lane[i]; }
     T operator[](int i) const { return lane[i]; }
@@ -139,7 +149,7 @@ TAUTWIRE_INLINE V is_positive(V x) {
 }
 
 // Lane i of the result is lane index(i) of a and b, which follow each other.
-#if defined(__has_builtin)
+#if TAUTWIRE_VECTORS && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define TAUTWIRE_SHUFFLES
 #endif
@@ -164,7 +174,7 @@ TAUTWIRE_INLINE auto shuffle(V a, V b, Index index) {
 }
 #endif
 
-#if defined(__GNUC__)
+#if TAUTWIRE_VECTORS
 template <class To, class V>
 TAUTWIRE_INLINE To convert(V x) {
     return __builtin_convertvector(x, To);

@@ -3,6 +3,8 @@
 // The algorithm is that of numerics/reference_stepper.py.
 #pragma once
 
+#include <limits>
+
 #include "contact.hpp"
 #include "factors.hpp"
 #include "pantograph.hpp"
@@ -31,7 +33,7 @@ public:
 private:
     static constexpr double kSlow = 0.3;
     static constexpr int kAllowed = 2;
-    double last_ = HUGE_VAL;
+    double last_ = std::numeric_limits<double>::infinity();
     int slow_ = 0;
 };
 
@@ -67,7 +69,10 @@ public:
 
 private:
     Outcome step(const Chunk& chunk, int index);
+    Outcome solve(const Chunk& chunk, Watchdog watch);
     void enter(const Chunk& chunk, int index);
+    void rest();
+    void step_back(const Buffer<Row>& sound);
     bool touch_all();
     Outcome finish(const Chunk& chunk);
     void set_regions();
@@ -121,18 +126,36 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
 inline Outcome LineEngine::step(const Chunk& chunk, int index) {
     enter(chunk, index);
     sweeps_.begin(scheme_, chunk.time_step);
-    Watchdog watch(scheme_.full_newton);
-    first_ = !watch.full_newton;
-    if (watch.full_newton) {
+    if (scheme_.full_newton) sweeps_.predict();
+    Outcome outcome = solve(chunk, Watchdog(scheme_.full_newton));
+    if (outcome != Outcome::running) {
+        // Long steps make the prediction, with its accelerations kept, so poor that wires are pushed
+        // and the tangent is indefinite; where the wires are, it is not.
         sweeps_.predict();
-    } else if (!factors_.select(chunk.time_step)) {
-        return Outcome::singular;
+        rest();
+        outcome = solve(chunk, Watchdog(true));
     }
+    return outcome == Outcome::running ? finish(chunk) : outcome;
+}
+
+// Find the end of the step: from the prediction, or with full Newton from end().
+inline Outcome LineEngine::solve(const Chunk& chunk, Watchdog watch) {
+    first_ = !watch.full_newton;
+    if (first_ && !factors_.select(chunk.time_step)) return Outcome::singular;
     const RowRange whole = sweeps_.line.layout.whole();
+    Buffer<Row> sound;  // the last accelerations at which the tangent was positive definite
     for (int n = 0; n < scheme_.iterations; ++n) {
         if (!touch_all()) return Outcome::off_the_line;
         const bool fresh = n == 0 || watch.wants_factor;
-        if (watch.wants_factor && !renew(watch.full_newton)) return Outcome::singular;
+        if (watch.wants_factor && !renew(watch.full_newton)) {
+            if (sound.size() == 0) return Outcome::singular;
+            step_back(sound);
+            continue;
+        }
+        if (watch.full_newton) {
+            if (sound.size() == 0) sound = Buffer<Row>(sweeps_.line.layout.rows);
+            sound.copy_from(sweeps_.end().a);
+        }
         const Increment increment = watch.full_newton ? iterate(factors_.coupled(), whole, fresh)
                                                       : iterate(factors_.apart(), whole, fresh);
         ++counters_.iterations;
@@ -141,11 +164,33 @@ inline Outcome LineEngine::step(const Chunk& chunk, int index) {
                                 (increment.outside <= scheme_.tolerance && !watch.full_newton &&
                                  settle_contacts()))) {
             counters_.full_newton_steps += watch.full_newton;
-            return finish(chunk);
+            return Outcome::running;
         }
         watch.observe(increment.all);
     }
     return Outcome::not_converged;
+}
+
+// Take the wires at the end of the step to be where they are at its start.
+inline void LineEngine::rest() {
+    const WireState &now = sweeps_.start(), &end = sweeps_.end();
+    for (int row = 0; row < sweeps_.line.layout.rows; ++row)
+        for (int wire = 0; wire < 2; ++wire)
+            for (int i = 0; i < 6; ++i)
+                sweeps_.end().a[row][wire][i] =
+                    (now.q_p[row][wire][i] + now.to_position * now.a[row][wire][i] -
+                     end.q_p[row][wire][i]) /
+                    broadcast<Doubles>(end.to_position);
+}
+
+// Take back half of what led from the accelerations `sound` to the present ones.
+inline void LineEngine::step_back(const Buffer<Row>& sound) {
+    for (int row = 0; row < sweeps_.line.layout.rows; ++row)
+        for (int wire = 0; wire < 2; ++wire)
+            for (int i = 0; i < 6; ++i) {
+                Doubles& a = sweeps_.end().a[row][wire][i];
+                a = 0.5 * (a + sound[row][wire][i]);
+            }
 }
 
 // Advance the pantographs that are on the line without contact force.

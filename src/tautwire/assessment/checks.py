@@ -75,13 +75,50 @@ class Check:
             return "unverified"
         return "passed" if self.passed else "failed"
 
+    @property
+    def words(self) -> str:
+        """Return the verdict as a client reads it, whoever checked the limit."""
+        if self.within is None:
+            return "no value"
+        found = "within the limit" if self.within else "not within the limit"
+        return found if self.verified else f"{found}, which was not checked against the standard"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the check as plain data for JSON, None in place of NaN."""
         content = {name: getattr(self, name) for name in self.__dataclass_fields__}
         for name in ("value", "limit"):
             if not math.isfinite(content[name]):
                 content[name] = None
-        return {**content, "verdict": self.verdict}
+        return {**content, "verdict": self.verdict, "words": self.words}
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What a run is judged by beyond its case.
+
+    Attributes
+    ----------
+    system : {"ac", "dc-1.5kv", "dc-3kv"}
+        Supply system.
+    free_uplift : float m or None
+        Free space for uplift at the supports.
+    limits : Limits or None
+        Limits of the user's own; None for those of the package.
+    """
+
+    system: str = "ac"
+    free_uplift: float | None = None
+    limits: Limits | None = None
+
+    def checks(self, statistics: RunStatistics, case: Case) -> tuple[Check, ...]:
+        """Check the statistics of a run; see :func:`checks`."""
+        return checks(
+            statistics,
+            case,
+            system=self.system,
+            free_uplift=self.free_uplift,
+            limits=self.limits,
+        )
 
 
 def checks(

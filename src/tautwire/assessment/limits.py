@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from tautwire.assessment.data import Record, read_file, read_library
 from tautwire.errors import InputError
@@ -40,6 +41,12 @@ class Provenance(Record):
     verified_on: str | None = None
     confidence: str
     note: str = ""
+
+    @model_validator(mode="after")
+    def _check_who_verified(self) -> Provenance:
+        if self.verified and not (self.verified_by and self.verified_on):
+            raise ValueError("verified: true needs verified_by (a name) and verified_on (a date)")
+        return self
 
 
 class Constant(Record):
@@ -209,6 +216,11 @@ def load_limits(path: str | Path | None = None) -> Limits:
         When the file cannot be read, with every fault.
     """
     return _library_limits() if path is None else read_file(path, Limits)
+
+
+def limits_text() -> str:
+    """Return the package's file of limits as text, to begin an own one from."""
+    return files("tautwire").joinpath("catalogue", "limits.yaml").read_text(encoding="utf-8")
 
 
 def known_system(name: str) -> System:

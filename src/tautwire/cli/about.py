@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import Literal
 
+from tautwire.cli.session import REFUSED
 from tautwire.errors import InputError
 from tautwire.version import __version__
 
@@ -20,14 +21,11 @@ def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     Raises
     ------
     InputError
-        When it asks for the compiled core and this installation has none.
+        When it asks for compiled kernels that are not here.
     """
     from tautwire.numerics.motion.backend import backend_name
 
-    try:
-        return backend_name(choice)
-    except RuntimeError as error:
-        raise InputError(f"settings.backend: {error}") from None
+    return backend_name(choice)
 
 
 def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
@@ -35,6 +33,11 @@ def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     return f"tautwire {__version__}, backend {backend(choice)}"
 
 
-def show_version() -> None:
-    """Print version and backend."""
-    sys.stdout.write(f"{program()}\n")
+def show_version() -> int:
+    """Print version and backend; return the exit code."""
+    try:
+        sys.stdout.write(f"{program()}\n")
+    except InputError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return REFUSED
+    return 0

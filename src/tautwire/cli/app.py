@@ -19,6 +19,7 @@ from tautwire.cli.options import (
     ForceOption,
     FreeUpliftOption,
     JsonOption,
+    LimitsOption,
     OutFolderOption,
     SetOption,
     SystemOption,
@@ -123,8 +124,7 @@ def tautwire(
     if version:
         from tautwire.cli.about import show_version
 
-        show_version()
-        raise typer.Exit
+        raise typer.Exit(show_version())
 
 
 @app.command()
@@ -186,7 +186,7 @@ def static(
 
 
 @app.command()
-def run(  # noqa: PLR0913 one parameter per option
+def run(
     case: CaseArgument,
     overrides: SetOption = None,
     out: OutFolderOption = None,
@@ -195,6 +195,7 @@ def run(  # noqa: PLR0913 one parameter per option
     ] = False,
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
+    limits: LimitsOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -204,9 +205,10 @@ def run(  # noqa: PLR0913 one parameter per option
     another run is refused without --force. Ctrl-C stops the passage and keeps what was computed.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.run import RunRequest, run_passage
+        from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
-        request = RunRequest(case, overrides or [], out, system, free_uplift, not no_report, force)
+        asked = criteria_of(system, free_uplift, limits)
+        request = RunRequest(case, overrides or [], out, asked, not no_report, force)
         run_passage(answer, request)
 
 
@@ -225,13 +227,16 @@ def report(
     ] = None,
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
+    limits: LimitsOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Write one HTML report about one run, or about several runs overlaid."""
     with answering(as_json) as answer:
         from tautwire.cli.commands.results import report_runs
+        from tautwire.cli.commands.run import criteria_of
 
-        report_runs(answer, runs, out or Path("report.html"), system, free_uplift)
+        asked = criteria_of(system, free_uplift, limits)
+        report_runs(answer, runs, out or Path("report.html"), asked)
 
 
 @app.command()
@@ -314,6 +319,13 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="song2021: fewer readings and coarser meshes.")
     ] = False,
+    identify: Annotated[
+        bool,
+        typer.Option(
+            "--identify",
+            help="song2021: compare readings of what the paper leaves open with its numbers.",
+        ),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -333,7 +345,7 @@ def reproduce(
         if study == SONG:
             from tautwire.cli.commands.song import reproduce_song
 
-            reproduce_song(answer, out, workers, quick=quick)
+            reproduce_song(answer, out, workers, quick=quick, identify=identify)
         else:
             reproduce_study(answer, study, out)
 

@@ -46,6 +46,15 @@ SystemOption = Annotated[
         help="Supply system, which decides between limits: ac, dc-1.5kv or dc-3kv.",
     ),
 ]
+LimitsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--limits",
+        metavar="FILE",
+        help='Own limits, a file begun with "tautwire limits --copy".',
+        show_default=False,
+    ),
+]
 FreeUpliftOption = Annotated[
     str | None,
     typer.Option(

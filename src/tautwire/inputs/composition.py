@@ -209,7 +209,7 @@ class _Composer:
         values = merge(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
-        sources = inheritance.still_stated(sources, values, at)
+        sources = inheritance.still_stated(sources, document.content, overlay, at)
         return _Part(values, _united(begun, kept, _sources_of_tables(tables, overlay), sources))
 
     def _take_own_catalogue(self, given: Any, document: Document) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.paths import PathError, parse_path, value_at
+from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
 
 IDENTITY = ("title", "description")
 """Keys that speak of the case as a whole and hold for no other."""
@@ -35,31 +35,41 @@ def marked(sources: list[Any], template: str) -> list[Any]:
     ]
 
 
-def still_stated(sources: list[Any], values: Mapping[str, Any], at: ValuePath) -> list[Any]:
-    """Drop the sources that state another value than the case has, and the statements of the rest.
+def still_stated(
+    sources: list[Any], written: Mapping[str, Any], replaced: Mapping[str, Any], at: ValuePath
+) -> list[Any]:
+    """Drop the sources that state another value than the document has; forget what the rest state.
 
     Parameters
     ----------
     sources
-        Entries of ``sources``; one with the key ``value`` holds for that value only.
-    values
-        The mapping in which their paths lead to values.
+        Entries of ``sources``; one with the key ``value`` holds for that value only. A source of a
+        ``use`` becomes one of the mapping in which it stands.
+    written
+        The document as it is written.
+    replaced
+        What a table says in its place.
     at
-        Path of that mapping in the case.
+        Path of the document in the case.
     """
     kept = []
     for source in sources:
         if isinstance(source, Mapping) and "value" in source:
-            if not _states(source, values, at):
-                continue
+            path = _path_of(source)
+            if path is not None:
+                own = path[len(at) :]
+                if value_at(replaced, own) is not None or value_at(written, own) != source["value"]:
+                    continue
+                if path[-1] == "use":
+                    source = {**source, "path": format_path(path[:-1])}
             source = {key: value for key, value in source.items() if key != "value"}
         kept.append(source)
     return kept
 
 
-def _states(source: Mapping[str, Any], values: Mapping[str, Any], at: ValuePath) -> bool:
+def _path_of(source: Mapping[str, Any]) -> ValuePath | None:
+    """Return the path of a source; None when it is malformed, which validation tells."""
     try:
-        path = parse_path(source["path"])
+        return parse_path(source["path"])
     except (PathError, TypeError, KeyError, AttributeError):
-        return True  # validation says what is wrong with the path
-    return value_at(values, path[len(at) :]) == source["value"]
+        return None

@@ -29,6 +29,12 @@ DROPPER_COLUMNS = (
     Column("position", "m", required=True),
     Column("presag", "m"),
     Column("length", "m"),
+    # The columns that the program's own dropper table has besides.
+    Column("x", "m"),
+    Column("unstrained length", "m"),
+    Column("stretched length", "m"),
+    Column("force", "N"),
+    Column("contact wire height", "m"),
 )
 MOST_DROPPER_ROWS = 50 * MOST_SPANS
 """Rows of a dropper table: fifty to a span are more than twice as many as any built line has."""
@@ -54,6 +60,15 @@ class Overlay:
 
     values: dict[str, Any]
     origins: dict[ValuePath, str]
+
+
+_DROPPER_KEYS = (
+    ("position", "positions"),
+    ("presag", "presag"),
+    ("unstrained length", "lengths"),
+    ("length", "lengths"),
+)
+"""Columns of a dropper table and the keys that they fill; a later one wins."""
 
 
 def read_support_table(path: Path) -> Overlay:
@@ -97,7 +112,8 @@ def read_dropper_table(path: Path) -> Overlay:
     """Read ``droppers.csv``: one row per dropper, span by span, from left to right.
 
     Columns: ``span``, ``dropper`` (1, 2, 3 ... in each span), ``position`` from the left support,
-    and ``presag`` or ``length`` or both (``droppers.mode`` says which is used).
+    and ``presag`` or ``length`` or both (``droppers.mode`` says which is used). The dropper table
+    that the program writes is such a table: its unstrained lengths are the lengths.
 
     Raises
     ------
@@ -109,7 +125,7 @@ def read_dropper_table(path: Path) -> Overlay:
     spans = _check_order(table, [int(n) for n in table.full_column("span")], numbers)
     droppers: dict[str, Any] = {}
     origins: dict[ValuePath, str] = {}
-    for name, key in (("position", "positions"), ("presag", "presag"), ("length", "lengths")):
+    for name, key in _DROPPER_KEYS:
         if name not in table.columns:
             continue
         values = table.full_column(name)

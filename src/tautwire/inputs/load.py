@@ -16,6 +16,7 @@ from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import PathError, find_target, parse_path
+from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import Case
 from tautwire.specs.upgrade import SCHEMA_VERSION
 
@@ -26,7 +27,8 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
     Parameters
     ----------
     name_or_path
-        Name of a library case, such as ``"ac-simple"``, or path of a file.
+        Name of a library case, such as ``"ac-simple"``, or path of a file; a workbook (XLSX) or a
+        CSV table of supports becomes a case by the meaning of its headings.
     overrides
         Values that replace those of the file: a mapping from path to value, or texts
         ``"path=value"``. Items of lists are numbered from 1, as in ``"droppers.presag[5]"``.
@@ -48,6 +50,8 @@ def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -
     """
     reference = name_or_path if isinstance(name_or_path, str) else Path(name_or_path)
     _refuse_pantograph(reference)
+    if is_workbook(reference):
+        return _validated(_compose_workbook(Path(reference)), overrides)
     return _validated(compose(reference), overrides)
 
 
@@ -67,6 +71,14 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
         When anything is wrong; every fault is named with its place and its cure.
     """
     return _validated(compose_data({"schema": SCHEMA_VERSION, **data}), overrides)
+
+
+def _compose_workbook(path: Path) -> Composition:
+    data, tables = case_of(open_workbook(path))
+    composition = compose_data(data)
+    composition.label = str(path)
+    composition.origins.update(tables.origins)
+    return composition
 
 
 def _refuse_pantograph(reference: str | Path) -> None:

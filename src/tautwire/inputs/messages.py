@@ -245,9 +245,11 @@ def _pantograph_name(data: Data, number: int) -> str:
 
 def _support_x(data: Data, support: int) -> str:
     try:
-        return f", x = {_span_starts(data)[support]:g} m"
+        place = f", x = {_span_starts(data)[support]:g} m"
     except (UnitError, IndexError):
-        return ""
+        place = ""
+    mast = value_at(data, ("line", "masts", support))
+    return f"{place}, mast {mast}" if isinstance(mast, str) else place
 
 
 def _dropper_x(data: Data, span: int, dropper: int) -> str:

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tautwire.line.pieces import Line
+
+Array = NDArray[np.float64]
 
 SAME_PLACE = 1e-9
 """Distance below which two points of a wire are one [m]."""
@@ -102,20 +105,24 @@ def longest_hung_interval(line: Line) -> float:
     return max([*found.between, *found.beside], default=longest)
 
 
-def contact_mass(line: Line, first: int, last: int) -> float:
-    """Return the mean mass of a contact wire with its dropper clamps within some spans [kg/m].
+def contact_mass(line: Line, dropper_lengths: Array, first: int, last: int) -> float:
+    """Return the mean mass of a contact wire within some spans as it moves [kg/m].
+
+    It carries its dropper clamps and the lower halves of the droppers.
 
     Parameters
     ----------
     line
+    dropper_lengths : (n_dropper,) m
+        Of the hangers in their order.
     first, last
         Spans, from 1, both included.
     """
     run = line.of_role("contact")[0]
     left, right = line.masts[first - 1], line.masts[last]
-    clamps = [
-        hanger.clamps[1]
-        for hanger in line.hangers
+    hung = [
+        hanger.clamps[1] + 0.5 * hanger.mass * float(length)
+        for hanger, length in zip(line.hangers, dropper_lengths, strict=True)
         if hanger.lower.run == run.name and left <= hanger.lower.s <= right
     ]
-    return run.wire.mass + float(np.sum(clamps)) / (right - left)
+    return run.wire.mass + sum(hung) / (right - left)

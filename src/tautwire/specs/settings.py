@@ -99,7 +99,9 @@ class Settings(Spec):
         default=0, description="Seed of everything random."
     )
     tolerance: Annotated[float, Quantity("m", ge=1e-12, le=1e-3, typical="3e-8 m")] = Field(
-        default=3e-8, description="Largest displacement increment of a converged time step."
+        default=3e-8,
+        description="Largest displacement increment of a converged time step, or what the rounding "
+        "of coordinates leaves when that is more.",
     )
     start: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="5 m")] = Field(
         default=5.0,

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.contact_wire import EvenPoints, even_points, wavenumber_spectrum
 from tautwire.errors import ConvergenceError, InputError
-from tautwire.line.expand import expand
 from tautwire.line.measures import contact_mass
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
@@ -22,7 +21,6 @@ from tautwire.numerics.vibration.eigen import Pairs, Vibration
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.modes import Modes, ModeWire
 from tautwire.signals.spectra import Spectrum
-from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]
 
@@ -160,7 +158,7 @@ def modes_sensitive_to(
             f"wavelength: got {wavelength:g} m; elements of up to {0.5 * finest:.3g} m show "
             f"wavelengths from {finest:.3g} m on: use more settings.nodes_between_droppers"
         )
-    target = near if near is not None else free_wire_frequency(model.case, wavelength)
+    target = near if near is not None else free_wire_frequency(model, shape, wavelength)
     found = modes_between(model, shape, target * (1.0 - width), target * (1.0 + width))
     length = float(found.x[-1] - found.x[0])
     tolerance = max(SENSITIVE_WITHIN, wavelength / length)
@@ -200,7 +198,7 @@ def concentration(modes: Modes, wavelength: float) -> Array:
     return shares
 
 
-def free_wire_frequency(case: Case, wavelength: float) -> float:
+def free_wire_frequency(model: Model, shape: Equilibrium, wavelength: float) -> float:
     """Return the frequency at which waves on the contact wire alone have a wavelength [Hz].
 
     ``omega^2 = (T k^2 + EI k^4)/m`` with ``k = 2 pi/wavelength``; the mass includes clamps and
@@ -208,13 +206,16 @@ def free_wire_frequency(case: Case, wavelength: float) -> float:
 
     Parameters
     ----------
-    case
+    model
+        The line.
+    shape
+        Its static state.
     wavelength
         [m]
     """
-    line = expand(case)
-    wire = line.of_role("contact")[0].wire
-    mass = contact_mass(line, *case.resolved_section())
+    wire = model.line.of_role("contact")[0].wire
+    lengths = shape.dropper_lengths_unstrained
+    mass = contact_mass(model.line, lengths, *model.case.resolved_section())
     k = 2.0 * math.pi / wavelength
     omega = math.sqrt((wire.tension * k**2 + wire.bending_stiffness * k**4) / mass)
     return omega / (2.0 * math.pi)

@@ -9,6 +9,7 @@ from typing import Any
 from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
 from tautwire.cli.about import program
 from tautwire.cli.session import REFUSED, Answer
+from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
@@ -21,6 +22,7 @@ from tautwire.version import __version__
 
 def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None:
     """Check a case and show what it amounts to."""
+    announce_workbook(answer, reference)
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
     quantities, advice = wave_quantities(case), preflight(case)

@@ -70,7 +70,7 @@ def find_modes(answer: Answer, request: ModesRequest) -> None:
         with Interrupts().handled():
             shape, found = _computed(answer, case, request, wavelength)
         answer.document.update(_document(case, lengths, found, wavelength))
-        answer.show(*_view(case, lengths, found, wavelength))
+        answer.show(*_view(case, shape, lengths, found, wavelength))
         if not found.is_complete and wavelength is None:
             answer.warn([_incomplete(found)])
         if folder is not None:
@@ -136,12 +136,14 @@ def _document(
     }
 
 
-def _view(case: Case, lengths: LineLengths, found: Modes, wavelength: float | None) -> list[Any]:
+def _view(
+    case: Case, shape: Equilibrium, lengths: LineLengths, found: Modes, wavelength: float | None
+) -> list[Any]:
     """Return what the terminal shows."""
     if wavelength is None:
         detail = f"{len(found.frequencies)} modes, most vertical contact wire first"
     else:
-        expected = free_wire_frequency(case, wavelength)
+        expected = free_wire_frequency(build(case), shape, wavelength)
         detail = (
             f"sensitive to {wavelength:.4g} m, of {found.counted} modes searched "
             f"(a bare wire has it at {expected:.1f} Hz)"

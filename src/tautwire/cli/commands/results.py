@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tautwire.assessment.checks import Criteria
 from tautwire.assessment.measurement import (
     MeasurementComparison,
     MeasurementRow,
     compare_with_measurement,
 )
-from tautwire.cli.commands.run import ReportLimits
 from tautwire.cli.session import Answer
 from tautwire.cli.views.run_view import QUANTITIES
 from tautwire.cli.views.tables import facts, heading, table
@@ -28,21 +28,17 @@ from tautwire.units import UnitError, parse_quantity
 from tautwire.version import __version__
 
 
-def report_runs(
-    answer: Answer, paths: Sequence[Path], out: Path, system: str, free_uplift: str | None
-) -> None:
+def report_runs(answer: Answer, paths: Sequence[Path], out: Path, criteria: Criteria) -> None:
     """Write the report of one run, or of several overlaid."""
     from tautwire.report.pages.run_page import write_report
 
-    limits = ReportLimits.of(system, free_uplift)
     _refuse_unwritable(out)
     runs = load_runs(paths)
     written = write_report(
         runs,
         out,
         [load_elasticity(path) for path in paths],
-        system=limits.system,
-        free_uplift=limits.free_uplift,
+        criteria=criteria,
     )
     answer.document.update(
         {

@@ -11,8 +11,8 @@ from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.validity import judged
-from tautwire.assessment.checks import checks as compute_checks
-from tautwire.assessment.limits import known_system
+from tautwire.assessment.checks import Criteria
+from tautwire.assessment.limits import known_system, load_limits
 from tautwire.cli.about import program
 from tautwire.cli.folders import Files, default_folder, result_folder
 from tautwire.cli.interrupts import Interrupts
@@ -20,6 +20,7 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
 from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.views.documents import run_document
+from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
@@ -47,8 +48,7 @@ class RunRequest:
         Name or file.
     overrides : sequence of str
     out : Path or None
-    system : str
-    free_uplift : str or None
+    criteria : Criteria
     with_report : bool
     force : bool
         Replace the files of another result.
@@ -57,16 +57,15 @@ class RunRequest:
     case: str
     overrides: Sequence[str]
     out: Path | None
-    system: str
-    free_uplift: str | None
+    criteria: Criteria
     with_report: bool
     force: bool = False
 
 
 def run_passage(answer: Answer, request: RunRequest) -> None:
     """Simulate a passage, show it and write its files, also when it was stopped or failed."""
+    announce_workbook(answer, request.case)
     case = load_case(request.case, request.overrides)
-    limits = ReportLimits.of(request.system, request.free_uplift)
     interrupts = Interrupts()
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:
@@ -79,10 +78,10 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
             with interrupts.patient():
                 files.write(RUN_FILE, lambda path: save_run(run, path))
                 with _telling_what_is_kept(answer, files):
-                    _present(answer, run, limits, [str(item) for item in advice])
+                    _present(answer, run, request.criteria, [str(item) for item in advice])
                     complete = run.status == "done" and interrupts.requested is None
                     elasticity = _elasticity(run) if complete else None
-                    asked = limits if request.with_report else None
+                    asked = request.criteria if request.with_report else None
                     _write(answer, files, run, elasticity, asked)
     if run.status == "failed":
         answer.fail("computation", [run.message], FAILED)
@@ -117,36 +116,29 @@ def refuse_hopeless(advice: Sequence[Advice]) -> None:
         raise ModelError("\n".join(reasons))
 
 
-@dataclass(frozen=True)
-class ReportLimits:
-    """What the limits of standards need to know beyond the case.
+def criteria_of(system: str, free_uplift: str | None, file: Path | None = None) -> Criteria:
+    """Read what a run is judged by as the user wrote it.
 
-    Attributes
+    Parameters
     ----------
-    system : str
-    free_uplift : float m or None
+    system, free_uplift
+        Supply system; free space for uplift with its unit, or None.
+    file
+        Own limits; None for those of the package.
+
+    Raises
+    ------
+    InputError
+        When one is not understood.
     """
-
-    system: str
-    free_uplift: float | None
-
-    @classmethod
-    def of(cls, system: str, free_uplift: str | None) -> ReportLimits:
-        """Read both as the user wrote them.
-
-        Raises
-        ------
-        InputError
-            When one is not understood.
-        """
-        try:
-            known_system(system)
-            space = None if free_uplift is None else parse_quantity(free_uplift, "m")
-        except UnitError as error:
-            raise InputError(f"--free-uplift: {error}") from None
-        except InputError as error:
-            raise InputError([f"--system: {problem}" for problem in error.problems]) from None
-        return cls(system.lower(), space)
+    try:
+        known_system(system)
+        space = None if free_uplift is None else parse_quantity(free_uplift, "m")
+    except UnitError as error:
+        raise InputError(f"--free-uplift: {error}") from None
+    except InputError as error:
+        raise InputError([f"--system: {problem}" for problem in error.problems]) from None
+    return Criteria(system.lower(), space, None if file is None else load_limits(file))
 
 
 def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
@@ -161,12 +153,10 @@ def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
         return judged(replace(error.partial, status="failed", message=str(error)))
 
 
-def _present(answer: Answer, run: Run, limits: ReportLimits, advice: Sequence[str]) -> None:
+def _present(answer: Answer, run: Run, criteria: Criteria, advice: Sequence[str]) -> None:
     """Fill the document and show the summary."""
     statistics = contact_statistics(run)
-    found = compute_checks(
-        statistics, run.case, system=limits.system, free_uplift=limits.free_uplift
-    )
+    found = criteria.checks(statistics, run.case)
     later = [*run.warnings, *statistics.notes]
     answer.warn(later)
     answer.document.update(run_document(run, statistics, found, [*advice, *later]))
@@ -188,9 +178,9 @@ def _write(
     files: Files,
     run: Run,
     elasticity: Elasticity | None,
-    limits: ReportLimits | None,
+    criteria: Criteria | None,
 ) -> None:
-    """Write the files of a run, the most important first; the report where limits are given."""
+    """Write the files of a run, the most important first; the report where there are criteria."""
     text = to_json(answer.document) + "\n"
     if elasticity is not None:
         files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
@@ -199,15 +189,13 @@ def _write(
     for number, record in enumerate(run.pantographs, 1):
         name = "force.csv" if number == 1 else f"force-{number}.csv"
         files.write(name, lambda path, who=record.name: write_force_history(run, path, who))
-    if limits is not None:
+    if criteria is not None:
         from tautwire.report.pages.run_page import write_report
 
         answer.say("writing the report")
         files.write(
             "report.html",
-            lambda path: write_report(
-                run, path, elasticity, system=limits.system, free_uplift=limits.free_uplift
-            ),
+            lambda path: write_report(run, path, elasticity, criteria=criteria),
         )
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))

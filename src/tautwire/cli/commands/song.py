@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from tautwire.cli.about import program
 from tautwire.cli.commands.study import MOST_WORKERS, StudyWatch
@@ -12,13 +14,28 @@ from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.views.tables import files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.reproductions.song2021.pages import page_identification
 from tautwire.reproductions.song2021.pages.output import writers
 from tautwire.reproductions.song2021.passages import FULL, QUICK
-from tautwire.reproductions.song2021.reproduction import STUDY, SongRecord, reproduce
+from tautwire.reproductions.song2021.reproduction import (
+    STUDY,
+    Identification,
+    SongRecord,
+    identify_readings,
+    reproduce,
+)
+from tautwire.reproductions.song2021.sections.identification import GROUPS
 from tautwire.studies.execution.executor import StudyError
 
+Result = TypeVar("Result", SongRecord, Identification)
 
-def reproduce_song(answer: Answer, out: Path | None, workers: int | None, *, quick: bool) -> None:
+MOST_READINGS = 15
+"""Readings of an identification that are shown."""
+
+
+def reproduce_song(
+    answer: Answer, out: Path | None, workers: int | None, *, quick: bool, identify: bool = False
+) -> None:
     """Run what is missing, show the verdicts and write the files.
 
     Parameters
@@ -30,25 +47,65 @@ def reproduce_song(answer: Answer, out: Path | None, workers: int | None, *, qui
         Number of processes.
     quick
         Whether fewer readings are computed.
+    identify
+        Whether readings are compared instead of claims judged.
     """
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise InputError(f"--workers: got {workers}; give 1 to {MOST_WORKERS}")
+    if quick and identify:
+        raise InputError("--quick and --identify: give one of them")
+    if identify:
+        _run(answer, out, partial(identify_readings, workers=workers), _identification_view,
+             page_identification.writers)  # fmt: skip
+    else:
+        scope = QUICK if quick else FULL
+        _run(answer, out, partial(reproduce, scope=scope, workers=workers), _view, writers)
+
+
+def _run(
+    answer: Answer,
+    out: Path | None,
+    compute: Callable[..., Result],
+    view: Callable[[Result], list[Any]],
+    files: Callable[[Result], Mapping[str, Callable[[Path], object]]],
+) -> None:
+    """Compute in a folder, show the result and write its files."""
     wanted, interrupts = out or Path(f"tautwire-reproduce-{STUDY}"), Interrupts()
     with prepared_folder(wanted) as folder, interrupts.handled():
         answer.say(program())
-        scope = QUICK if quick else FULL
         try:
             with StudyWatch(answer, interrupts) as watch, interrupts.patient():
-                record = reproduce(folder, scope, workers=workers, watch=watch)
+                found = compute(folder, watch=watch)
         except StudyError as error:
             answer.fail("study", [str(error)], FAILED)
             return
         with interrupts.patient():
-            answer.document.update(record.as_dict())
-            answer.show(*_view(record))
-            _write(answer, Files(folder), record)
+            answer.document.update(found.as_dict())
+            answer.show(*view(found))
+            _write(answer, Files(folder), files(found))
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
+
+
+def _identification_view(found: Identification) -> list[Any]:
+    best = page_identification.best_by_line(found.trials)[:MOST_READINGS]
+    rows = [
+        (one.line, f"{one.stiffness} kN/m", *(f"{met}/{of}" for met, of in one.met.values()),
+         str(one.total))
+        for one in best
+    ]  # fmt: skip
+    heads = ("line", "contact", *GROUPS, "met")
+    parts: list[Any] = [
+        heading("Readings that meet most numbers of the paper"),
+        table(heads, "L" + "r" * (len(heads) - 1), rows),
+    ]
+    return [*parts, *_missing(found.missing)]
+
+
+def _missing(missing: Mapping[str, str]) -> list[Any]:
+    if not missing:
+        return []
+    return [heading("Not computed"), "\n".join(f"{n}: {reason}" for n, reason in missing.items())]
 
 
 def _view(record: SongRecord) -> list[Any]:
@@ -59,14 +116,11 @@ def _view(record: SongRecord) -> list[Any]:
         heading("Claims"),
         table(("section", "verdict", ""), "LLL", rows),
     ]
-    if record.missing:
-        missing = [f"{name}: {reason}" for name, reason in record.missing.items()]
-        parts += [heading("Not computed"), "\n".join(missing)]
-    return parts
+    return [*parts, *_missing(record.missing)]
 
 
-def _write(answer: Answer, files: Files, record: SongRecord) -> None:
-    for name, write in writers(record).items():
+def _write(answer: Answer, files: Files, wanted: Mapping[str, Callable[[Path], object]]) -> None:
+    for name, write in wanted.items():
         files.write(name, write)
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))

@@ -17,6 +17,7 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
 from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.documents import static_document
+from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.inputs.load import load_case
@@ -56,6 +57,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
 
     The shape is on disk before the elasticity is computed, and stays when that is stopped.
     """
+    announce_workbook(answer, request.case)
     case = load_case(request.case, request.overrides)
     out, interrupts = request.out, Interrupts()
     with nullcontext() if out is None else result_folder(out, force=request.force) as files:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
@@ -10,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.errors import InputError
 from tautwire.numerics.elements import ancf
 from tautwire.numerics.motion.native_stepper import NativeStepper, cable_order
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
@@ -20,18 +22,20 @@ Array = NDArray[Any]
 Index = NDArray[np.int64]
 Choice = Literal["auto", "native", "reference"]
 
-_INSTRUCTION_SETS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2", "generic": "2 lanes"}
+SIMD_VARIABLE = "TAUTWIRE_SIMD"
+"""Environment variable that chooses the instruction set of the compiled core."""
+
+_INSTRUCTION_SETS = {
+    "v4": "AVX-512",
+    "v3": "AVX2",
+    "v2": "SSE4.2",
+    "generic": "2 lanes",
+    "plain": "no vector types",
+}
 
 
-_TWO_WIRES_ONLY = "it is not two wires side by side coupled station by station"
-
-
-class UnsuitableLineError(RuntimeError):
-    """The compiled core was asked for by name, but cannot take the line."""
-
-
-class NativeCoreMissingError(RuntimeError):
-    """The compiled core was asked for by name, but this installation has none that runs here."""
+class NativeCoreMissingError(InputError):
+    """Compiled kernels were asked for by name that are not here or cannot compute the line."""
 
 
 @cache
@@ -50,15 +54,29 @@ def native_available() -> bool:
 
 
 def _native(choice: Choice) -> ModuleType | None:
-    """Return the core that ``choice`` calls for; None stands for the NumPy reference."""
+    """Return the core that ``choice`` calls for, set to the instruction set that is wanted.
+
+    None stands for the NumPy reference.
+    """
     if choice == "reference":
         return None
     core, reason = _load()
-    if core is None and choice == "native":
+    wanted = os.environ.get(SIMD_VARIABLE, "")
+    if core is None and (choice == "native" or wanted):
+        asked = f"{SIMD_VARIABLE}: got {wanted!r}, but" if wanted else "settings.backend:"
         raise NativeCoreMissingError(
-            f"the compiled core is not available ({reason}); install tautwire with a C++20 "
-            "compiler at hand or from a binary wheel, or choose the backend 'auto' or 'reference'"
+            f"{asked} the compiled core is not available ({reason}); install tautwire with a C++20 "
+            "compiler at hand or from a binary wheel, or choose the backend 'reference'"
         )
+    if core is None:
+        return None
+    if wanted and wanted not in core.runnable:
+        raise NativeCoreMissingError(
+            f"{SIMD_VARIABLE}: got {wanted!r}; this installation has the kernels "
+            f"{', '.join(core.built)}, of which this processor runs {', '.join(core.runnable)}; "
+            "name one of these, or leave the variable out to use the fastest"
+        )
+    core.use(wanted or core.runnable[0])
     return core
 
 
@@ -73,12 +91,12 @@ def backend_name(choice: Choice = "auto") -> str:
     Raises
     ------
     NativeCoreMissingError
-        'native' was asked for and is not there.
+        Kernels were asked for by name that are not there.
     """
     core = _native(choice)
     if core is None:
         return "reference (NumPy)"
-    return f"native ({_INSTRUCTION_SETS[core.instruction_set]})"
+    return f"native ({_INSTRUCTION_SETS[core.instruction_set()]})"
 
 
 def make_stepper(
@@ -109,21 +127,22 @@ def make_stepper(
     Raises
     ------
     NativeCoreMissingError
-        'native' was asked for and is not there.
-    UnsuitableLineError
-        'native' was asked for and cannot take the line.
+        'native' was asked for and is not there or cannot compute the line, or TAUTWIRE_SIMD names
+        kernels that are not there.
     """
     core = _native(backend)
     if core is not None and cable_order(system) is not None:
         return NativeStepper(core, system, pantographs, options, observed)
-    if core is not None and backend == "native":
-        raise UnsuitableLineError(
-            f"the compiled core cannot take this line: {_TWO_WIRES_ONLY}; choose the backend "
-            "'auto' or 'reference'"
+    if backend == "native":
+        raise NativeCoreMissingError(
+            "settings.backend: 'native' computes lines of two wires side by side, coupled station "
+            "by station, which this line is not; choose 'auto' or 'reference'"
         )
     stepper = ReferenceStepper(system, pantographs, options, observed)
     if core is not None:
-        stepper.counters.notes["general_solver"] = _TWO_WIRES_ONLY
+        stepper.counters.notes["general_solver"] = (
+            "the line is not two wires side by side coupled station by station"
+        )
     return stepper
 
 

@@ -21,6 +21,7 @@ from tautwire.numerics.motion.stepper import (
     StepBlock,
     StepCounters,
     StepOptions,
+    reachable_tolerance,
 )
 from tautwire.numerics.network.parts import BOTH_WAYS, TENSION_ONLY, Grounds
 from tautwire.numerics.network.system import System
@@ -125,7 +126,10 @@ class NativeStepper:
         self._inputs = tuple(pantographs)
         self._observed = np.ascontiguousarray(observed, dtype=np.int64)
         self._clock = Clock()
-        self._core = core.Stepper(_line_arrays(system, options.stiffening), _scheme(options))
+        self._core = core.Stepper(
+            _line_arrays(system, options.stiffening),
+            _scheme(options, reachable_tolerance(system, options)),
+        )
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -284,7 +288,7 @@ def _external(given: PantographInput, time: Array) -> Array:
     return np.array([given.external(t) for t in time])
 
 
-def _scheme(options: StepOptions) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
@@ -292,7 +296,7 @@ def _scheme(options: StepOptions) -> dict[str, float | bool]:
         "gamma": integrator.gamma,
         "time_step": options.time_step,
         "contact_stiffness": options.contact_stiffness,
-        "tolerance": options.tolerance,
+        "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
     }

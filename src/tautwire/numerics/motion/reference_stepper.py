@@ -8,7 +8,10 @@ compliance over the step, the contact acts like a unilateral spring ``k_s/(1 + k
 wire and the head's force-free position, and enters the linear solve as a rank-one term.
 
 When the increments shrink by less than a factor 0.3 twice in a step, the matrix is factored anew
-at the current state; when that does not help, the step is finished with full Newton.
+at the current state; when that does not help, the step is finished with full Newton. An iteration
+that fails is begun again with full Newton from the wires where they are: long steps make the
+prediction, with its accelerations kept, so poor that wires are pushed and the tangent is
+indefinite.
 
 A step makes a new state and leaves the old one alone, so that a state is its own mark.
 """
@@ -41,7 +44,13 @@ from tautwire.numerics.motion.step_solver import (
     Watchdog,
     contact_forces,
 )
-from tautwire.numerics.motion.stepper import PantographInput, StepBlock, StepCounters, StepOptions
+from tautwire.numerics.motion.stepper import (
+    PantographInput,
+    StepBlock,
+    StepCounters,
+    StepOptions,
+    reachable_tolerance,
+)
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.status import Status
 
@@ -76,6 +85,7 @@ class ReferenceStepper:
     ) -> None:
         self.counters = StepCounters()
         self._system, self._options, self._observed = system, options, observed
+        self._tolerance = reachable_tolerance(system, options)
         self._inputs = tuple(pantographs)
         self._paths = tuple(
             ContactWirePath(path.nodes, system.cables.length[path.cables]) for path in system.paths
@@ -248,31 +258,49 @@ class ReferenceStepper:
 
     def _step(self, time_step: float) -> tuple[Status, State | None]:
         """Solve one step; return the state at its end, None when it fails."""
-        step, options = self._begin(time_step), self._options
-        a = step.start.a.copy()
-        watch = Watchdog(full_newton=options.full_newton)
-        solver = StepSolver(self._system, self._factors, step, full_newton=options.full_newton)
+        step, full = self._begin(time_step), self._options.full_newton
+        # An iteration that is lost shows in its increment.
+        with np.errstate(over="ignore", invalid="ignore"):
+            status, a = self._iterate(step, step.start.a, full_newton=full)
+            if a is None:
+                status, a = self._iterate(step, step.resting(), full_newton=True)
+        return (status, None) if a is None else self._end(step, a)
+
+    def _iterate(self, step: Step, a: Array, *, full_newton: bool) -> tuple[Status, Array | None]:
+        """Find the end acceleration from a first guess; None when that fails.
+
+        An iterate whose tangent is not positive definite is taken back by half, towards the last
+        one where it was.
+        """
+        options, sound = self._options, None
+        watch = Watchdog(full_newton=full_newton)
+        solver = StepSolver(self._system, self._factors, step, full_newton=full_newton)
         for _ in range(options.iterations):
             q, v = step.position(a), step.velocity(a)
             touches = self._touch(q, step)
             if touches is None:
                 return Status.OFF_THE_LINE, None
-            r = self._residual(step, q, v, a, touches)
             if watch.wants_factor:
-                solver.renew(q, v, only_taut=watch.full_newton)
                 self.counters.refactorisations += 1
+                if not solver.renew(q, v, only_taut=watch.full_newton):
+                    if sound is None:
+                        return Status.SINGULAR, None
+                    a = 0.5 * (a + sound)
+                    continue
+                sound = a if watch.full_newton else None
+            r = self._residual(step, q, v, a, touches)
             da = solver.solve(r, touches)
             if da is None:
                 return Status.SINGULAR, None
-            a += da
+            a = a + da
             self.counters.iterations += 1
             moved = np.abs(da[self._system.translations]).max()
             increment = step.c.to_position * float(moved)
             if not np.isfinite(increment):
                 return Status.NOT_FINITE, None
-            if increment <= options.tolerance and watch.count > 0:
+            if increment <= self._tolerance and watch.count > 0:
                 self.counters.full_newton_steps += watch.full_newton
-                return self._end(step, a)
+                return Status.RUNNING, a
             watch.observe(increment)
         return Status.NOT_CONVERGED, None
 

@@ -115,6 +115,10 @@ class Step:
         """Return the velocities at the end for an end acceleration."""
         return self.v_p + self.c.to_velocity * a
 
+    def resting(self) -> Array:
+        """Return the end acceleration that leaves the wires where they are."""
+        return (self.start.q - self.q_p) / self.c.to_position
+
 
 @dataclass(frozen=True, eq=False)
 class Touch:
@@ -170,7 +174,7 @@ class StepSolver:
             ahead = step.start.q + step.c.time_step * step.start.v
             self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
 
-    def renew(self, q: Array, v: Array, *, only_taut: bool) -> None:
+    def renew(self, q: Array, v: Array, *, only_taut: bool) -> bool:
         """Factor the matrix at an iterate; without its slack ties when ``only_taut``."""
         dt, self._columns = self._step.c.time_step, None
         if only_taut:
@@ -180,6 +184,7 @@ class StepSolver:
             self._factor = self._factors.renew(q, dt)
         if self._factor is not None:
             self._rotation = NodeRotation(self._factor.tangents, self._factor.tangents)
+        return self._factor is not None
 
     def solve(self, r: Array, touches: list[Touch]) -> Array | None:
         """Solve ``(A + sum kappa N G') da = r`` with the contacts that are closed.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.numerics.motion.dispersion import WaveStiffening
 from tautwire.numerics.motion.pantograph import PantographChain
+from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import Integrator
 from tautwire.status import Status
 
@@ -171,6 +172,27 @@ class StepOptions:
     iterations: int = 30
     full_newton: bool = False
     stiffening: WaveStiffening | None = None
+
+
+def reachable_tolerance(system: System, options: StepOptions) -> float:
+    """Return the tolerance of the options, or what rounding leaves when that is more [m].
+
+    A coordinate x is rounded by ``eps x``, which strains an element of length L by ``eps x/L``; the
+    force EA times that moves a node of mass m L by ``beta dt^2 EA/(m L^2)`` times the rounding in a
+    step. No iteration gets below that; the factor 4 is for the sums on the way.
+
+    Parameters
+    ----------
+    system
+        The line in its static state.
+    options
+        Integrator, step, tolerance.
+    """
+    cables = system.cables
+    gain = cables.axial / (cables.mass * cables.length**2)
+    gain = 1.0 + options.integrator.beta * options.time_step**2 * float(gain.max(initial=0.0))
+    place = float(np.abs(system.position).max(initial=0.0))
+    return max(options.tolerance, 4.0 * float(np.finfo(float).eps) * place * gain)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,12 +12,13 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from tautwire.assessment.checks import Criteria
 from tautwire.errors import InputError
 from tautwire.report.parts import sections
 from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
 from tautwire.report.parts.conditions import conditions_section
 from tautwire.report.parts.losses import loss_section
-from tautwire.report.parts.summary import run_checks, summary_section
+from tautwire.report.parts.summary import summary_section
 from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
 from tautwire.results.equilibrium import Elasticity
@@ -32,8 +33,7 @@ def write_report(
     *,
     labels: Sequence[str] | None = None,
     title: str | None = None,
-    system: str = "ac",
-    free_uplift: float | None = None,
+    criteria: Criteria | None = None,
 ) -> Path:
     """Write the report of one run, or of several runs overlaid, as a single HTML file.
 
@@ -52,10 +52,9 @@ def write_report(
         Names of the runs in legends; by default case name and what tells them apart.
     title : str, optional
         Heading of the page; by default the title of the case.
-    system : {"ac", "dc-1.5kv", "dc-3kv"}
-        Supply system, which decides which limits apply.
-    free_uplift : float m, optional
-        Free space for uplift at the supports, to check against.
+    criteria : Criteria, optional
+        What the runs are judged by: supply system, free space for uplift, own limits; by default
+        AC, the uplift not judged, the limits of the package.
 
     Returns
     -------
@@ -79,7 +78,8 @@ def write_report(
         prepare(run, label, data)
         for run, label, data in zip(every, labels_of(every, labels), given, strict=True)
     ]
-    found = [run_checks(view, system, free_uplift) for view in views]
+    judged_by = criteria or Criteria()
+    found = [judged_by.checks(view.statistics, view.run.case) for view in views]
     contents = [
         summary_section(views, found),
         sections.line_section(views),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tautwire.assessment.checks import Check, checks
+from tautwire.assessment.checks import Check
 from tautwire.report.figures.line_figures import highest_support
 from tautwire.report.parts import published
 from tautwire.report.parts.blocks import (
@@ -60,11 +60,6 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     compared = [b for v in views for b in published.force_blocks(v, named=len(views) > 1)]
     blocks += [Heading("Published results"), *compared] if compared else []
     return Section("summary", "Summary", tuple(blocks))
-
-
-def run_checks(view: RunView, system: str, free_uplift: float | None) -> tuple[Check, ...]:
-    """Check a run against the limits of the package."""
-    return checks(view.statistics, view.run.case, system=system, free_uplift=free_uplift)
 
 
 def statistics_of(item: Series) -> PantographStatistics:

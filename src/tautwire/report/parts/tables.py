@@ -24,24 +24,29 @@ def dropper_table_csv(equilibrium: Equilibrium) -> str:
     Returns
     -------
     str
-        Columns: span and dropper (from 1), position, unstrained and stretched length, force,
-        height of the contact wire.
+        Columns: span and dropper (from 1), position from the support on the left and x along the
+        line, unstrained and stretched length, force, height of the contact wire; the table of
+        droppers of a case may be such a file.
     """
     head = (
         "span",
         "dropper",
         "position [m]",
+        "x [m]",
         "unstrained length [m]",
         "stretched length [m]",
         "force [N]",
         "contact wire height [m]",
     )
+    left = dict(zip(equilibrium.support_number.tolist(), equilibrium.support_x, strict=True))
+    starts = np.array([left[span] for span in equilibrium.dropper_span.tolist()])
     rows = zip(
         equilibrium.dropper_span.tolist(),
         equilibrium.dropper_number.tolist(),
         *(
             _texts(values, digits)
             for values, digits in (
+                (equilibrium.dropper_x - starts, 4),
                 (equilibrium.dropper_x, 4),
                 (equilibrium.dropper_lengths_unstrained, 6),
                 (equilibrium.dropper_lengths, 6),

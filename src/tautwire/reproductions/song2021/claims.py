@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tautwire.reproductions.song2021.passages import UNCALIBRATED, Reading
+
 REPRODUCED = "reproduced"
 CONDITIONAL = "reproduced under stated conditions"
 NOT_REPRODUCED = "not reproduced"
@@ -15,11 +17,37 @@ NO_VALUE = "not evaluated"
 VERDICTS = (REPRODUCED, CONDITIONAL, NOT_REPRODUCED, NO_VALUE)
 
 RULE = (
-    "Every claim is judged under each condition that the paper leaves open, by limits that are "
-    "printed with the numbers. It is reproduced when all limits are kept under all conditions, "
-    "reproduced under stated conditions when they are all kept under some of them, and otherwise "
-    "not reproduced."
+    "Every claim is judged under the uncalibrated reading (the library case, in which no number "
+    "was selected to meet a result) and, as conditions, under other readings of what the paper "
+    "leaves open, by limits that are printed with the numbers. It is reproduced when all limits "
+    "are kept under the uncalibrated reading, reproduced under stated conditions when they are "
+    "kept under another one or a part of it, and otherwise not reproduced."
 )
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Under which reading of what the paper leaves open a number was found.
+
+    Attributes
+    ----------
+    text : str
+        Empty where nothing is left open.
+    departs : bool
+        True when it is not the uncalibrated reading.
+    """
+
+    text: str = ""
+    departs: bool = False
+
+
+ALWAYS = Condition()
+"""Where nothing is left open."""
+
+
+def under(reading: Reading, *more: str) -> Condition:
+    """Return the condition of a reading, with what else is special to the number."""
+    return Condition(", ".join((str(reading), *more)), reading != UNCALIBRATED)
 
 
 @dataclass(frozen=True)
@@ -28,8 +56,7 @@ class Evidence:
 
     Attributes
     ----------
-    condition : str
-        Under which reading it was found; empty where nothing is left open.
+    condition : Condition
     quantity : str
     found : float
     unit : str
@@ -39,7 +66,7 @@ class Evidence:
         The paper's own number.
     """
 
-    condition: str
+    condition: Condition
     quantity: str
     found: float
     unit: str
@@ -72,7 +99,8 @@ class Evidence:
     def as_dict(self) -> dict[str, Any]:
         """Return the number as plain data for JSON."""
         return {
-            "condition": self.condition,
+            "condition": self.condition.text,
+            "departs": self.condition.departs,
             "quantity": self.quantity,
             "found": _finite(self.found),
             "unit": self.unit,
@@ -107,9 +135,9 @@ class Claim:
     remark: str = ""
 
     @property
-    def by_condition(self) -> dict[str, bool]:
+    def by_condition(self) -> dict[Condition, bool]:
         """Whether all limits are kept, by condition."""
-        found: dict[str, bool] = {}
+        found: dict[Condition, bool] = {}
         for item in self.evidence:
             found[item.condition] = found.get(item.condition, True) and item.holds
         return found
@@ -117,6 +145,17 @@ class Claim:
     @property
     def verdict(self) -> str:
         """The outcome by :data:`RULE`; ``"not evaluated"`` without evidence."""
+        outcomes = self.by_condition
+        first = [holds for condition, holds in outcomes.items() if not condition.departs]
+        if not outcomes:
+            return NO_VALUE
+        if first and all(first):
+            return REPRODUCED
+        return CONDITIONAL if any(outcomes.values()) else NOT_REPRODUCED
+
+    @property
+    def verdict_under_all(self) -> str:
+        """The outcome with every reading counting alike: under all, under some, under none."""
         outcomes = list(self.by_condition.values())
         if not outcomes:
             return NO_VALUE
@@ -127,10 +166,10 @@ class Claim:
     @property
     def explanation(self) -> str:
         """Under which conditions the claim holds and under which it does not."""
-        if self.verdict != CONDITIONAL:
+        if self.verdict_under_all != CONDITIONAL:
             return ""
-        kept = [name for name, holds in self.by_condition.items() if holds]
-        broken = [name for name, holds in self.by_condition.items() if not holds]
+        kept = [own.text for own, holds in self.by_condition.items() if holds]
+        broken = [own.text for own, holds in self.by_condition.items() if not holds]
         return f"holds for: {'; '.join(kept)}. Not for: {'; '.join(broken)}."
 
     def as_dict(self) -> dict[str, Any]:
@@ -140,6 +179,7 @@ class Claim:
             "section": self.section,
             "statement": self.statement,
             "verdict": self.verdict,
+            "verdict_under_all": self.verdict_under_all,
             "explanation": self.explanation,
             "remark": self.remark,
             "evidence": [item.as_dict() for item in self.evidence],
@@ -147,7 +187,7 @@ class Claim:
 
 
 def near(
-    condition: str,
+    condition: Condition,
     quantity: str,
     found: float,
     published: float,
@@ -170,19 +210,30 @@ def near(
     return Evidence(condition, quantity, found, unit, low, high, published)
 
 
-def most(condition: str, quantity: str, found: float, limit: float, unit: str = "%") -> Evidence:
+def most(
+    condition: Condition, quantity: str, found: float, limit: float, unit: str = "%"
+) -> Evidence:
     """Ask that a number be at most a limit."""
     return Evidence(condition, quantity, found, unit, high=limit)
 
 
-def least(condition: str, quantity: str, found: float, limit: float, unit: str = "%") -> Evidence:
+def least(
+    condition: Condition, quantity: str, found: float, limit: float, unit: str = "%"
+) -> Evidence:
     """Ask that a number be at least a limit."""
     return Evidence(condition, quantity, found, unit, low=limit)
 
 
-def counts(claims: Sequence[Claim]) -> dict[str, int]:
-    """Return the number of claims per verdict."""
-    verdicts = [claim.verdict for claim in claims]
+def counts(claims: Sequence[Claim], *, alike: bool = False) -> dict[str, int]:
+    """Return the number of claims per verdict.
+
+    Parameters
+    ----------
+    claims
+    alike
+        Whether every reading counts alike (:attr:`Claim.verdict_under_all`).
+    """
+    verdicts = [claim.verdict_under_all if alike else claim.verdict for claim in claims]
     return {verdict: verdicts.count(verdict) for verdict in VERDICTS if verdict in verdicts}
 
 

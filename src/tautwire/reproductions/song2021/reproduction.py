@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tautwire.reproductions.record import DOUBTFUL
 from tautwire.reproductions.song2021 import published, sources
-from tautwire.reproductions.song2021.claims import RULE, Claim, counts
+from tautwire.reproductions.song2021.claims import RULE, Claim, Condition, counts
 from tautwire.reproductions.song2021.folder import PASSAGES, Folder
 from tautwire.reproductions.song2021.passages import (
     FULL,
-    STIFFNESSES,
+    Reading,
     Scope,
     passage_study,
     passages,
 )
 from tautwire.reproductions.song2021.sections import (
     cutoffs,
+    identification,
     mesh,
     statics,
     step_claims,
@@ -48,25 +49,25 @@ class Material:
     scope : Scope
     passages : Passages
     statics : Statics
-    readings : list of Reading
+    variants : list of Variant
         Table 2 by reading.
-    sources : mapping of int to Sources
-        Fig. 11 by contact stiffness [kN/m].
+    sources : mapping of Reading to Sources
+        Fig. 11 by reading.
     modes : mapping of str to Found
         By name of the length.
-    curves : mapping of str to Curves
+    curves : mapping of Condition to Curves
         Fig. 15 by reading.
     trials : list of Trial
-        Table 3 by contact stiffness and irregularity.
+        Table 3 by reading and irregularity.
     """
 
     scope: Scope
     passages: Passages
     statics: statics.Statics
-    readings: list[validation.Reading]
-    sources: Mapping[int, sources.Sources]
+    variants: list[validation.Variant]
+    sources: Mapping[Reading, sources.Sources]
     modes: Mapping[str, vibration.Found]
-    curves: Mapping[str, cutoffs.Curves]
+    curves: Mapping[Condition, cutoffs.Curves]
     trials: list[steps.Trial]
 
 
@@ -106,6 +107,8 @@ class SongRecord:
         """The outcome in a sentence."""
         parts = [f"{number} {verdict}" for verdict, number in counts(self.claims).items()]
         text = f"{len(self.claims)} claims: {', '.join(parts)}."
+        alike = [f"{n} {verdict}" for verdict, n in counts(self.claims, alike=True).items()]
+        text += f" With every reading counting alike: {', '.join(alike)}."
         if self.status != "done":
             text += f" Not complete: {len(self.missing)} computations are missing."
         if self.changed_inputs:
@@ -125,6 +128,7 @@ class SongRecord:
             "published_filter": published.FILTER,
             "rule": RULE,
             "verdicts": counts(self.claims),
+            "verdicts_under_all": counts(self.claims, alike=True),
             "claims": [claim.as_dict() for claim in self.claims],
             "missing": dict(self.missing),
             "cost": dict(self.cost),
@@ -171,13 +175,6 @@ def reproduce(
     own.compute("modes", vibration.mode_study(meshes, changes), vibration.TASK)
     rows, missing = own.rows()
     material = _material(scope, own, changes)
-    cost = {
-        "passages": float(sum(len(rows[name]) for name in PASSAGES if name in rows)),
-        "cpu_s": sum(
-            row["cost"]["cpu_s"] or 0.0 for kind in rows.values() for row in kind.values()
-        ),
-        "wall_s": time.perf_counter() - begin,
-    }
     doubtful = tuple(
         entry for entry in own.first_case("passages").sources
         if entry.confidence in DOUBTFUL
@@ -187,26 +184,95 @@ def reproduce(
         scope.name,
         tuple(judge(material)),
         missing,
-        cost,
+        _cost(rows, PASSAGES, begin),
         tuple(changes or {}),
         doubtful,
         material,
     )
 
 
-def _uplift(folder: Folder, scope: Scope) -> dict[int, float]:
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Readings of what the paper leaves open, against its numbers.
+
+    Attributes
+    ----------
+    trials : list of Trial
+        Those that meet most numbers first.
+    missing : mapping of str to str
+        Computations without a result, and why.
+    cost : mapping of str to float
+        ``passages``, ``cpu_s``, ``wall_s`` of this call.
+    """
+
+    trials: list[identification.Trial]
+    missing: Mapping[str, str]
+    cost: Mapping[str, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the readings as plain data for JSON."""
+        return {
+            "study": STUDY,
+            "version": __version__,
+            "status": "partial" if self.missing else "done",
+            "readings": [one.as_dict() for one in self.trials],
+            "missing": dict(self.missing),
+            "cost": dict(self.cost),
+        }
+
+
+def identify_readings(
+    folder: str | os.PathLike[str], *, workers: int | None = None, watch: Watch | None = None
+) -> Identification:
+    """Compute the readings that are not in the folder yet, and count the numbers each meets.
+
+    Parameters
+    ----------
+    folder
+        Where results are kept; what is there already is not computed again.
+    workers
+        Number of processes; by default one per core.
+    watch
+        Called with the progress; True stops.
+    """
+    begin = time.perf_counter()
+    own = Folder(Path(folder), workers, watch)
+    own.compute("grid", identification.grid_study(), identification.TASK)
+    own.compute("elasticity", identification.static_study(), identification.STATIC_TASK)
+    rows = own.rows()[0]
+    first = identification.judge(rows["grid"], rows["elasticity"], {})
+    own.compute("speeds", identification.speed_study(identification.finalists(first)),
+                identification.TASK)  # fmt: skip
+    rows, missing = own.rows()
+    trials = identification.judge(rows["grid"], rows["elasticity"], rows["speeds"])
+    return Identification(trials, missing, _cost(rows, ("grid", "speeds"), begin))
+
+
+def _cost(
+    rows: Mapping[str, Mapping[str, Any]], counted: Sequence[str], begin: float
+) -> dict[str, float]:
+    """Return number of passages, processor time of all rows, and wall time since `begin`."""
+    every = (row for kind in rows.values() for row in kind.values())
+    return {
+        "passages": float(sum(len(rows[name]) for name in counted if name in rows)),
+        "cpu_s": sum(row["cost"]["cpu_s"] or 0.0 for row in every),
+        "wall_s": time.perf_counter() - begin,
+    }
+
+
+def _uplift(folder: Folder, scope: Scope) -> dict[Reading, float]:
     """Return the uplift forces of the ideal line that section V takes over [N]."""
     rows = folder.rows()[0]["passages"]
     return {
-        k: float(rows[ideal(k)]["values"]["pantographs"][0]["uplift_force"])
-        for k in scope.irregular
-        if ideal(k) in rows
+        own: float(rows[ideal(own)]["values"]["pantographs"][0]["uplift_force"])
+        for own, _ in scope.irregular
+        if ideal(own) in rows
     }
 
 
 def _material(scope: Scope, folder: Folder, changes: Mapping[str, Any] | None) -> Material:
     own = Passages(folder.run_paths())
-    every = ((k, sources.gather(own, scope, k)) for k in STIFFNESSES)
+    every = ((reading, sources.gather(own, scope, reading)) for reading in scope.readings)
     return Material(
         scope,
         own,
@@ -229,7 +295,7 @@ def judge(material: Material) -> list[Claim]:
     own = material.passages
     return [
         *statics.claims(material.statics),
-        *validation.claims(material.readings),
+        *validation.claims(material.variants),
         *mesh.claims(own),
         *stiffness.claims(own),
         *sources.claims(material.sources),

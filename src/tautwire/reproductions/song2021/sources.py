@@ -10,8 +10,15 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.wavelengths import line_lengths, presag_spectrum
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
-from tautwire.reproductions.song2021.passages import FITTING, Scope, standard
+from tautwire.reproductions.song2021.claims import (
+    Claim,
+    Condition,
+    Evidence,
+    least,
+    most,
+    under,
+)
+from tautwire.reproductions.song2021.passages import Reading, Scope, standard
 from tautwire.reproductions.song2021.sections.forces import Comb, Passages, comb
 from tautwire.signals.spectra import over_wavenumber
 
@@ -61,17 +68,16 @@ class Sources:
     lengths: Mapping[str, float]
 
 
-def gather(passages: Passages, scope: Scope, stiffness: int = FITTING) -> Sources | None:
+def gather(passages: Passages, scope: Scope, reading: Reading) -> Sources | None:
     """Return the spectra of Fig. 11; None when a passage is missing.
 
     Parameters
     ----------
     passages
     scope
-    stiffness
-        Contact stiffness [kN/m].
+    reading
     """
-    names = {f"{v} km/h": standard(scope.mesh, stiffness, v) for v in SPEEDS}
+    names = {f"{v} km/h": standard(scope.mesh, reading, v) for v in SPEEDS}
     if not passages.has(*names.values()):
         return None
     run = passages.run(names["320 km/h"])
@@ -186,31 +192,31 @@ def agreement(presag: Comb, force: Comb) -> Agreement:
     )
 
 
-def claims(by_stiffness: Mapping[int, Sources]) -> list[Claim]:
+def claims(by_reading: Mapping[Reading, Sources]) -> list[Claim]:
     """Judge section IV.A.
 
     Parameters
     ----------
-    by_stiffness
-        Spectra by contact stiffness [kN/m].
+    by_reading
+        Spectra by reading.
     """
     return [
-        _regions(by_stiffness),
-        _agree(by_stiffness),
-        *(_maximum(by_stiffness, name) for name in FRACTIONS),
-        _negligible(by_stiffness),
-        _main_source(by_stiffness),
+        _regions(by_reading),
+        _agree(by_reading),
+        *(_maximum(by_reading, name) for name in FRACTIONS),
+        _negligible(by_reading),
+        _main_source(by_reading),
     ]
 
 
-def _regions(by_stiffness: Mapping[int, Sources]) -> Claim:
+def _regions(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for sources in list(by_stiffness.values())[:1]:
+    for sources in list(by_reading.values())[:1]:
         for name, wanted in published.REGIONS.items():
             length = sources.lengths[name]
             found.append(
-                Evidence(name, f"{name} of the line", length, "m", wanted - 0.01, wanted + 0.01,
-                         wanted)
+                Evidence(Condition(name), f"{name} of the line", length, "m", wanted - 0.01,
+                         wanted + 0.01, wanted)
             )  # fmt: skip
     return Claim(
         "wavelength-regions",
@@ -224,14 +230,14 @@ def _regions(by_stiffness: Mapping[int, Sources]) -> Claim:
     )
 
 
-def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
+def _agree(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for k, sources in by_stiffness.items():
+    for k, sources in by_reading.items():
         for label, own in sources.combs.items():
             if label == PRESAG:
                 continue
             result = agreement(sources.combs[PRESAG], own)
-            where = f"{k} kN/m, {label}"
+            where = under(k, label)
             found += [
                 least(where, "peaks of the pre-sag that are peaks of the force", result.share,
                       MAJORITY),
@@ -241,7 +247,7 @@ def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
                 Evidence(where, "rank correlation of all lines", result.correlation, "1"),
             ]  # fmt: skip
     text = "The peaks in the spectrum of the force are highly consistent with those of the pre-sag."
-    numbers = {int(peaks(own.combs[PRESAG]).sum()) for own in by_stiffness.values()}
+    numbers = {int(peaks(own.combs[PRESAG]).sum()) for own in by_reading.values()}
     remark = (
         f"The pre-sag has {' or '.join(str(n) for n in sorted(numbers))} peaks between 1 and 10 m, "
         "so one of them more or less decides."
@@ -249,14 +255,14 @@ def _agree(by_stiffness: Mapping[int, Sources]) -> Claim:
     return Claim("presag-force", "IV.A", text, tuple(found), remark if numbers else "")
 
 
-def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:
+def _maximum(by_reading: Mapping[Reading, Sources], name: str) -> Claim:
     found: list[Evidence] = []
-    for number, (k, sources) in enumerate(by_stiffness.items()):
+    for number, (k, sources) in enumerate(by_reading.items()):
         place = 1.0 / sources.lengths[name]
         for label, own in sources.combs.items():
             if label == PRESAG and number:
                 continue
-            where = PRESAG if label == PRESAG else f"{k} kN/m, {label}"
+            where = Condition(PRESAG) if label == PRESAG else under(k, label)
             peak = float(is_local_maximum(own, place))
             found.append(least(where, "local maximum within one line (1: yes)", peak, 1.0, "1"))
             test = own.test(place, width=0.0)
@@ -270,13 +276,13 @@ def _maximum(by_stiffness: Mapping[int, Sources], name: str) -> Claim:
     return Claim(f"source-{name.replace('/', '-')}", "IV.A", text, tuple(found))
 
 
-def _negligible(by_stiffness: Mapping[int, Sources]) -> Claim:
+def _negligible(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for number, (k, sources) in enumerate(by_stiffness.items()):
+    for number, (k, sources) in enumerate(by_reading.items()):
         for label, own in sources.combs.items():
             if label == PRESAG and number:
                 continue
-            where = PRESAG if label == PRESAG else f"{k} kN/m, {label}"
+            where = Condition(PRESAG) if label == PRESAG else under(k, label)
             energy, width = outside_share(own, sources.lengths)
             text = "energy outside the six regions, waves below 10 m"
             found.append(Evidence(where, text, energy, "%", high=NEGLIGIBLE))
@@ -292,9 +298,9 @@ def _negligible(by_stiffness: Mapping[int, Sources]) -> Claim:
     )
 
 
-def _main_source(by_stiffness: Mapping[int, Sources]) -> Claim:
+def _main_source(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for k, sources in by_stiffness.items():
+    for k, sources in by_reading.items():
         for label, own in sources.combs.items():
             if label == PRESAG:
                 continue
@@ -302,7 +308,7 @@ def _main_source(by_stiffness: Mapping[int, Sources]) -> Claim:
             inside = in_regions(own, {name: sources.lengths[name] for name in FRACTIONS})[high]
             energy = own.value[high] ** 2
             share = 100.0 * float(energy[inside].sum() / energy.sum())
-            where = f"{k} kN/m, {label}"
+            where = under(k, label)
             text = "share of the four regions in the energy of waves below 3.7 m"
             found.append(least(where, text, share, MAJORITY))
             text = "the same if the energy were spread evenly"

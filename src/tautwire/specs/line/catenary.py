@@ -57,6 +57,12 @@ class Line(Spec):
         Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="Length of every span, or a list with one length per span.")
+    masts: tuple[Annotated[str, Field(max_length=60)], ...] | None = Field(
+        default=None, description="Names of the supports from left to right, as people know them."
+    )
+    chainage: tuple[Annotated[float, Quantity("m", ge=-1e7, le=1e7)], ...] | None = Field(
+        default=None, description="Chainage of the supports from left to right; rising or falling."
+    )
     ends: Annotated[Ends, BeforeValidator(ends_from_word, json_schema_input_type=End | Ends)] = (
         Field(
             default=Ends(),
@@ -80,16 +86,26 @@ class Line(Spec):
 
     @model_validator(mode="after")
     def _check_span_lengths(self) -> Line:
+        problems = []
         if isinstance(self.span_length, tuple) and len(self.span_length) != self.spans:
-            refuse(
-                [
-                    Problem(
-                        ("span_length",),
-                        f"has {len(self.span_length)} values for {self.spans} spans; give one "
-                        "length per span, or a single length for all, or leave out line.spans",
-                    )
-                ]
+            problems.append(
+                Problem(
+                    ("span_length",),
+                    f"has {len(self.span_length)} values for {self.spans} spans; give one "
+                    "length per span, or a single length for all, or leave out line.spans",
+                )
             )
+        for name in ("masts", "chainage"):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.spans + 1:
+                problems.append(
+                    Problem(
+                        (name,),
+                        f"has {len(given)} values; give one for each of the {self.spans + 1} "
+                        "supports",
+                    )
+                )
+        refuse(problems)
         return self
 
     def span_lengths(self) -> tuple[float, ...]:
@@ -101,6 +117,15 @@ class Line(Spec):
     def support_positions(self) -> tuple[float, ...]:
         """Return the position of each support [m]; the left anchor is at 0."""
         return tuple(accumulate(self.span_lengths(), initial=0.0))
+
+    def place_of_support(self, index: int) -> str:
+        """Name a support by its mast and chainage, as in "mast 4/12, km 12.624"; or nothing."""
+        parts = []
+        if self.masts is not None:
+            parts.append(f"mast {self.masts[index]}")
+        if self.chainage is not None:
+            parts.append(f"km {self.chainage[index] / 1e3:.3f}")
+        return ", ".join(parts)
 
     def length(self) -> float:
         """Return the distance between the two anchors [m]."""

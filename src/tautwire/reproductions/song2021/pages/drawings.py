@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from tautwire.report.figures.panels import Curve, Figure, Panel, bar_figure, panel_figure
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.passages import MESHES, STIFFNESSES, standard
+from tautwire.reproductions.song2021.passages import (
+    MESHES,
+    STIFFNESSES,
+    Reading,
+    standard,
+)
 from tautwire.reproductions.song2021.sections import mesh, stiffness
 from tautwire.reproductions.song2021.sections.forces import Passages
 from tautwire.results.equilibrium import Equilibrium
@@ -53,7 +58,7 @@ def configuration(shape: Equilibrium) -> Figure:
     )
 
 
-def mesh_forces(passages: Passages, k: int) -> Figure:
+def mesh_forces(passages: Passages, k: Reading) -> Figure:
     """Draw Fig. 4."""
     supports = passages.run(standard(9, k)).equilibrium.support_x
     panels = []
@@ -70,7 +75,7 @@ def mesh_forces(passages: Passages, k: int) -> Figure:
     return panel_figure(panels, POSITION, 270, shared=True)
 
 
-def mesh_bars(passages: Passages, k: int) -> Figure:
+def mesh_bars(passages: Passages, k: Reading) -> Figure:
     """Draw Fig. 5."""
     found = mesh.deviations(passages, k)
     series = {
@@ -80,7 +85,7 @@ def mesh_bars(passages: Passages, k: int) -> Figure:
     return bar_figure([f"0–{cutoff} Hz" for cutoff in mesh.CUTOFFS], series, DEVIATION)
 
 
-def mesh_spectra(passages: Passages, k: int) -> Figure:
+def mesh_spectra(passages: Passages, k: Reading) -> Figure:
     """Draw Fig. 6."""
     lines = {f"NAD {m}: {f:g}": f for m, pair in published.ELEMENT_PASSING.items() for f in pair}
     lines["NAD 9, n = 2: 247.3"] = 2.0 * published.ELEMENT_PASSING[9][0]
@@ -109,13 +114,12 @@ def _apart(marks: Mapping[str, float], width: float) -> dict[str, float]:
     return found
 
 
-def stiffness_forces(passages: Passages, m: int) -> Figure:
+def stiffness_forces(passages: Passages, own: stiffness.Series) -> Figure:
     """Draw Fig. 7."""
-    supports = passages.run(standard(m, STIFFNESSES[0])).equilibrium.support_x
+    supports = passages.run(own.names[0]).equilibrium.support_x
     low, high = two_spans(supports)
     curves = []
-    for number, k in enumerate(STIFFNESSES):
-        name = standard(m, k)
+    for number, (k, name) in enumerate(zip(STIFFNESSES, own.names, strict=True)):
         position = passages.force(name).position
         shown = (position >= low) & (position <= high)
         force = passages.low_passed(name, 200.0)[shown]
@@ -123,13 +127,13 @@ def stiffness_forces(passages: Passages, m: int) -> Figure:
     return panel_figure([Panel("0 to 200 Hz", curves, FORCE, (low, high))], POSITION, 380)
 
 
-def stiffness_spectra(passages: Passages, m: int) -> Figure:
+def stiffness_spectra(passages: Passages, own: stiffness.Series) -> Figure:
     """Draw Fig. 8."""
     panels = []
     for letter, (low, high) in zip("ab", stiffness.BANDS, strict=True):
         curves = []
-        for number, k in enumerate(STIFFNESSES):
-            found = mesh.force_comb(passages, standard(m, k), 200.0)
+        for number, (k, name) in enumerate(zip(STIFFNESSES, own.names, strict=True)):
+            found = mesh.force_comb(passages, name, 200.0)
             band = (found.abscissa >= low) & (found.abscissa <= high)
             curves.append(Curve(f"{k} kN/m", found.abscissa[band], found.value[band], number))
         title = f"({letter}) {low:g} to {high:g} Hz"
@@ -138,13 +142,13 @@ def stiffness_spectra(passages: Passages, m: int) -> Figure:
 
 
 def stiffness_curves(passages: Passages) -> Figure:
-    """Draw Fig. 9 for every mesh on which all stiffnesses were computed."""
+    """Draw Fig. 9 for every line and mesh with all stiffnesses."""
     panels = []
-    for m in stiffness.computed(passages):
+    for own in stiffness.computed(passages):
         curves = [
-            Curve(f"0–{cutoff} Hz", STIFFNESSES, stiffness.deviations(passages, m, cutoff),
+            Curve(f"0–{cutoff} Hz", STIFFNESSES, stiffness.deviations(passages, own, cutoff),
                   number, "lines+markers")
             for number, cutoff in enumerate(stiffness.CUTOFFS)
         ]  # fmt: skip
-        panels.append(Panel(f"NAD {m}", curves, DEVIATION, more={"rangemode": "tozero"}))
+        panels.append(Panel(str(own), curves, DEVIATION, more={"rangemode": "tozero"}))
     return panel_figure(panels, "contact stiffness [kN/m]", 300)

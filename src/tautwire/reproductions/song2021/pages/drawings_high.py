@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tautwire.report.figures.panels import Curve, Figure, Panel, panel_figure
 from tautwire.reproductions.song2021 import sources
+from tautwire.reproductions.song2021.claims import Condition
 from tautwire.reproductions.song2021.pages.drawings import DEVIATION, POSITION
 from tautwire.reproductions.song2021.passages import SPEEDS
 from tautwire.reproductions.song2021.sections.cutoffs import Curves
@@ -63,15 +64,15 @@ def mode(found: Found) -> Figure:
     return panel_figure(panels, "wave number [1/m]", 250)
 
 
-def speed_curves(curves: Mapping[str, Curves]) -> Figure:
+def speed_curves(curves: Mapping[Condition, Curves]) -> Figure:
     """Draw Fig. 15, a panel per reading."""
     panels = []
-    for name, own in curves.items():
+    for condition, own in curves.items():
         lines = [
             Curve(label, SPEEDS, values, number, "lines+markers")
             for number, (label, values) in enumerate(
                 {"0–20 Hz": own.low, "0–0.9 1/m": own.suggested, "0–200 Hz": own.high}.items()
             )
         ]
-        panels.append(Panel(name, lines, DEVIATION, more={"rangemode": "tozero"}))
+        panels.append(Panel(condition.text, lines, DEVIATION, more={"rangemode": "tozero"}))
     return panel_figure(panels, "speed [km/h]", 240)

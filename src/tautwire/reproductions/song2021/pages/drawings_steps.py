@@ -17,7 +17,13 @@ from tautwire.reproductions.song2021.sections.irregular import (
     HEIGHTS,
     VARIABLE,
 )
-from tautwire.reproductions.song2021.sections.steps import COUNTED_1, REFERENCE, StepRun, Trial
+from tautwire.reproductions.song2021.sections.steps import (
+    COUNTED_1,
+    REFERENCE,
+    StepRun,
+    Trial,
+    Wire,
+)
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]
@@ -37,16 +43,16 @@ BESIDE = 4e-3
 """Time shown to either side of a separation [s]."""
 
 
-def separation(trial: Trial, when: float) -> Figure:
+def separation(wire: Wire, when: float) -> Figure:
     """Draw Fig. 16 from a separation: the undivided step, the line through it, where it was cut.
 
     Parameters
     ----------
-    trial
+    wire
     when
         About when contact is lost [s].
     """
-    variable, coarse = trial.runs[VARIABLE], trial.runs[COARSE]
+    variable, coarse = wire.runs[VARIABLE], wire.runs[COARSE]
     located = float(variable.separations[np.argmin(np.abs(variable.separations - when))])
     at = int(np.searchsorted(variable.time, located)) - 1
     begin, end = float(variable.time[at]), float(variable.time[at + 1])
@@ -59,11 +65,11 @@ def separation(trial: Trial, when: float) -> Figure:
               -1e6 * coarse.gap[line], 1, width=3.0),
         Curve("divided step", [1e3 * (t - begin) for t, _ in divided],
               [depth for _, depth in divided], 2, "markers"),
-        _depth("0.05 ms", trial.runs[FINEST], begin, 3, width=1.0),
+        _depth("0.05 ms", wire.runs[FINEST], begin, 3, width=1.0),
     ]  # fmt: skip
     marks = {"located": 1e3 * (located - begin)}
     more = {"zeroline": True, "zerolinecolor": "#55616e"}
-    title = f"separation at t = {located:.5f} s, {trial.stiffness} kN/m"
+    title = f"separation at t = {located:.5f} s"
     return panel_figure([Panel(title, curves, "penetration [µm]", None, marks, more)],
                         "time from the begin of the step [ms]", 380)  # fmt: skip
 
@@ -94,33 +100,32 @@ def irregular_presag(
     panels: list[Panel] = []
     deviations: list[Curve] = []
     for number, trial in enumerate(trials, 1):
-        heights = sag(trial.shape)
-        if trial.drawn.is_uneven:
-            heights = heights + 1e3 * np.interp(
-                x, trial.drawn.surface_x, trial.drawn.surface_height
-            )
+        wire = trial.wires[0]
+        heights = sag(wire.shape)
+        if wire.drawn.is_uneven:
+            heights = heights + 1e3 * np.interp(x, wire.drawn.surface_x, wire.drawn.surface_height)
         name = "heights at droppers" if trial.kind == HEIGHTS else "running surface"
         curves = [Curve("ideal", x, level, 0), Curve(name, x, heights, number, dash="solid")]
-        panels.append(Panel(f"{name}, seed {trial.drawn.seed}", curves, SAG, section))
+        panels.append(Panel(f"{name}, seed {wire.drawn.seed}", curves, SAG, section))
         deviations.append(Curve(name, x, heights - level, number, width=1.0, dash="solid"))
     panels.append(Panel("deviation from the ideal line", deviations, "deviation [mm]", section))
     return panel_figure(panels, POSITION, 230, shared=True)
 
 
-def step_forces(trial: Trial, whens: Sequence[float]) -> Figure:
+def step_forces(wire: Wire, whens: Sequence[float]) -> Figure:
     """Draw Fig. 18: the unfiltered force by time step, and enlarged around losses.
 
     Parameters
     ----------
-    trial
+    wire
     whens
         When the enlarged losses begin [s].
     """
     curves = [
-        Curve(label, trial.runs[step].time, trial.runs[step].force, number, width=0.8, dash="solid")
+        Curve(label, wire.runs[step].time, wire.runs[step].force, number, width=0.8, dash="solid")
         for number, (step, label) in enumerate(LABELS.items())
     ]
-    time = trial.runs[COARSE].time
+    time = wire.runs[COARSE].time
     panels = [Panel("analysed section", curves, FORCE, (float(time[0]), float(time[-1])))]
     for when in whens:
         shown = [_cut(curve, when) for curve in curves]
@@ -137,14 +142,14 @@ def _cut(curve: Curve, when: float) -> Curve:
     return Curve(curve.name, x[near], y[near], curve.look, mode, 1.2, "solid")
 
 
-def telling_losses(trial: Trial) -> tuple[float, ...]:
+def telling_losses(wire: Wire) -> tuple[float, ...]:
     """Choose losses to enlarge: the longest, and one that 1 ms does not see or counts worst.
 
     Parameters
     ----------
-    trial
+    wire
     """
-    match = trial.against(REFERENCE)[COUNTED_1]
+    match = wire.against(REFERENCE)[COUNTED_1]
     if not match.judged:
         return ()
     longest = max(match.judged, key=lambda pair: pair.reference.duration).reference

@@ -31,7 +31,7 @@ def record_csv(record: SongRecord) -> str:
         for item in claim.evidence:
             wanted = "" if item.published is None else f"{item.published:g}"
             rows.append(
-                (claim.name, claim.section, claim.verdict, item.condition, item.quantity,
+                (claim.name, claim.section, claim.verdict, item.condition.text, item.quantity,
                  f"{item.found:.6g}", item.unit, wanted, item.requirement,
                  "yes" if item.holds else "no")
             )  # fmt: skip

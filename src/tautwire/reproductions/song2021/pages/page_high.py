@@ -12,8 +12,8 @@ from tautwire.report.parts.words import MISSING, number
 from tautwire.reproductions.song2021 import published, sources
 from tautwire.reproductions.song2021.pages import drawings_high
 from tautwire.reproductions.song2021.passages import (
-    FITTING,
     SPEEDS,
+    UNCALIBRATED,
     standard,
 )
 from tautwire.reproductions.song2021.sections import vibration
@@ -52,7 +52,7 @@ def sources_section(material: Material) -> Section:
 
 
 def _source_blocks(material: Material) -> list[object]:
-    name = standard(9, FITTING)
+    name = standard(9, UNCALIBRATED)
     blocks: list[object] = []
     if material.passages.has(name):
         run = material.passages.run(name)
@@ -62,12 +62,12 @@ def _source_blocks(material: Material) -> list[object]:
                   (section.start, section.end)), "Fig. 10 of the paper: pre-sag of the contact "
                   "wire, NAD 9.", "Static height of the contact wire over the supports.")
         )  # fmt: skip
-    found = material.sources.get(FITTING)
+    found = material.sources.get(UNCALIBRATED)
     if found is None:
         return blocks
     blocks.append(
         chart("fig-11", drawings_high.source_spectra(found), "Fig. 11 of the paper: amplitudes of "
-              f"pre-sag and contact force ({FITTING} kN/m) at the multiples of 1/span, over wave "
+              f"pre-sag and contact force ({UNCALIBRATED}) at the multiples of 1/span, over wave "
               "number; lengths of the line marked. Hann window, spans 4 to 13, unfiltered.",
               "Spectra of pre-sag and contact force over wave number.")
     )  # fmt: skip
@@ -132,7 +132,7 @@ def _unbroken(text: str) -> str:
 def _cutoff_table(material: Material) -> Table:
     rows = tuple(
         (
-            _unbroken(name),
+            condition.text,
             f"{speed}",
             f"{published.CUTOFFS[speed]:g}",
             number(float(own.cutoff[i]), 2),
@@ -140,7 +140,7 @@ def _cutoff_table(material: Material) -> Table:
             number(100.0 * float(1.0 - own.suggested[i] / own.high[i]), 1),
             number(100.0 * float(1.0 - own.low[i] / own.high[i]), 1),
         )
-        for name, own in material.curves.items()
+        for condition, own in material.curves.items()
         for i, speed in enumerate(SPEEDS)
     )
     return Table(

@@ -9,7 +9,7 @@ from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import number
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.pages import drawings
-from tautwire.reproductions.song2021.passages import FITTING, MESHES, standard
+from tautwire.reproductions.song2021.passages import MESHES, UNCALIBRATED, Reading, standard
 from tautwire.reproductions.song2021.sections import mesh, stiffness
 from tautwire.reproductions.song2021.sections.statics import largest_deviation
 
@@ -22,7 +22,7 @@ BAND_20 = "sharp low-pass at 20 Hz"
 
 def readings_section(material: Material) -> Section:
     """Show which readings of what the paper leaves open fit Table 2, and which do not."""
-    found = sorted(material.readings, key=lambda item: item.largest_deviation)
+    found = sorted(material.variants, key=lambda item: item.largest_deviation)
     rows = tuple(
         (
             item.group,
@@ -37,7 +37,7 @@ def readings_section(material: Material) -> Section:
     table = Table(
         "The numbers of Table 2 [N] under every reading, those that fit first; the last column is "
         "the largest deviation of a standard deviation from the paper's [%]. Readings of mesh, "
-        f"filter, window and model differ from NAD 9 at {FITTING} kN/m in that one thing.",
+        "filter, window and model differ from the uncalibrated reading, NAD 9, in that one thing.",
         ("varied", "reading", *names, "deviation"),
         "ll" + "r" * (len(names) + 1),
         (paper, *rows),
@@ -65,7 +65,7 @@ def model_section(material: Material) -> Section:
 def _table_1(material: Material) -> Table:
     found = material.statics
     places = ("support", *(f"dropper {n}" for n in range(1, 6)))
-    presag = ("0.00", *(number(v, 2) for v in found.presag[:5]))
+    presag = tuple(number(v, 2) for v in next(iter(found.presag.values()))[:6])
     rows: list[tuple[Cell, ...]] = [
         (
             place,
@@ -93,7 +93,7 @@ def _table_1(material: Material) -> Table:
 
 
 def _table_2(material: Material) -> Table:
-    own = [item for item in material.readings if item.group == "contact stiffness"]
+    own = [item for item in material.variants if item.group == "reading"]
     rows = tuple(
         (
             published.NAMES[name],
@@ -104,7 +104,7 @@ def _table_2(material: Material) -> Table:
         for name in published.QUANTITIES
     )
     return Table(
-        f"Table 2 of the paper [N], by contact stiffness; NAD 9, {BAND_20}, spans 4 to 13.",
+        f"Table 2 of the paper [N], by reading; NAD 9, {BAND_20}, spans 4 to 13.",
         ("", "benchmark", "paper", *(item.label for item in own)),
         "l" + "r" * (len(own) + 2),
         rows,
@@ -115,24 +115,24 @@ def mesh_section(material: Material) -> Section:
     """Show Figs 4 to 6."""
     own, blocks = material.passages, []
     every = mesh.computed(own)
-    for k in every[::-1]:
-        if k == FITTING:
+    for k in every:
+        if k == UNCALIBRATED:
             blocks.append(
-                chart(f"fig-4-{k}", drawings.mesh_forces(own, k), f"Fig. 4 of the paper: contact "
-                      f"force on four meshes, {k} kN/m. {SHARP}",
+                chart(f"fig-4-{k.name}", drawings.mesh_forces(own, k), "Fig. 4 of the paper: "
+                      f"contact force on four meshes, {k}. {SHARP}",
                       "Contact force of four meshes low-passed at 20 and 200 Hz.")
             )  # fmt: skip
         blocks.append(
-            chart(f"fig-5-{k}", drawings.mesh_bars(own, k), "Fig. 5 of the paper: standard "
-                  f"deviation by mesh and cut-off, {k} kN/m. {SHARP}",
+            chart(f"fig-5-{k.name}", drawings.mesh_bars(own, k), "Fig. 5 of the paper: standard "
+                  f"deviation by mesh and cut-off, {k}. {SHARP}",
                   "Bars of standard deviation by mesh and cut-off.")
         )  # fmt: skip
     if every:
-        k = every[-1]
+        k = every[0]
         blocks += [
-            chart(f"fig-6-{k}", drawings.mesh_spectra(own, k), "Fig. 6 of the paper: spectrum of "
-                  f"the unfiltered force (Hann window, spans 4 to 13) on four meshes, {k} kN/m, "
-                  "with element passing n v/Le.",
+            chart(f"fig-6-{k.name}", drawings.mesh_spectra(own, k), "Fig. 6 of the paper: "
+                  "spectrum of the unfiltered force (Hann window, spans 4 to 13) on four "
+                  f"meshes, {k}, with element passing n v/Le.",
                   "Spectra of the contact force on four meshes in four bands."),
             _lines_table(material, every),
             _test_text(material, every),
@@ -140,7 +140,7 @@ def mesh_section(material: Material) -> Section:
     return Section("mesh", "Mesh size (III.A)", tuple(blocks) or (_nothing(),))
 
 
-def _lines_table(material: Material, every: list[int]) -> Table:
+def _lines_table(material: Material, every: list[Reading]) -> Table:
     rows = []
     wanted = [(m, f) for m in MESHES for f in published.ELEMENT_PASSING[m]]
     wanted.append((9, 2.0 * published.ELEMENT_PASSING[9][0]))
@@ -165,16 +165,14 @@ def _lines_table(material: Material, every: list[int]) -> Table:
         ("mesh", "n\N{NO-BREAK SPACE}v/Le [Hz]", *(head for _ in every for head in heads)),
         "lr" + "rrr" * len(every),
         tuple(rows),
-        (("", 2), *((f"{k} kN/m", 3) for k in every)),
+        (("", 2), *((str(k), 3) for k in every)),
     )
 
 
-def _test_text(material: Material, every: list[int]) -> Text:
+def _test_text(material: Material, every: list[Reading]) -> Text:
     """Say how often the test finds a line where there is none."""
     found = {k: mesh.false_alarms(material.passages, k) for k in every}
-    parts = [
-        f"{number(share, 1)} % of {places} at {k} kN/m" for k, (share, places) in found.items()
-    ]
+    parts = [f"{number(share, 1)} % of {places} ({k})" for k, (share, places) in found.items()]
     return Text(
         "The test itself: of the places between 100 and 250 Hz on NAD 18, where no element is "
         f"passed, {', '.join(parts)} stand out; 1 % is expected of a background without lines."
@@ -184,30 +182,30 @@ def _test_text(material: Material, every: list[int]) -> Text:
 def stiffness_section(material: Material) -> Section:
     """Show Figs 7 to 9."""
     own = material.passages
-    meshes = stiffness.computed(own)
-    if not meshes:
+    every = stiffness.computed(own)
+    if not every:
         return Section("stiffness", "Contact stiffness (III.B)", (_nothing(),))
-    m = meshes[-1]
+    first = [one for one in every if one.line == every[0].line][-1]
     rows = tuple(
         (
             f"0–{cutoff} Hz",
             number(published.STIFFNESS_CHANGES[cutoff], 2),
-            *(number(stiffness.change(own, one, cutoff), 2) for one in meshes),
+            *(number(stiffness.change(own, one, cutoff), 2) for one in every),
         )
         for cutoff in stiffness.CUTOFFS
     )
     blocks = (
-        chart("fig-7", drawings.stiffness_forces(own, m), "Fig. 7 of the paper: contact force over "
-              f"two spans by contact stiffness, NAD {m}. {SHARP}",
+        chart("fig-7", drawings.stiffness_forces(own, first), "Fig. 7 of the paper: contact force "
+              f"over two spans by contact stiffness, {first}. {SHARP}",
               "Contact force over two spans with six contact stiffnesses."),
-        chart("fig-8", drawings.stiffness_spectra(own, m), "Fig. 8 of the paper: amplitude at the "
-              f"multiples of the span-passing frequency by contact stiffness, NAD {m}.",
+        chart("fig-8", drawings.stiffness_spectra(own, first), "Fig. 8 of the paper: amplitude at "
+              f"the multiples of the span-passing frequency by contact stiffness, {first}.",
               "Spectra of the contact force with six contact stiffnesses."),
         chart("fig-9", drawings.stiffness_curves(own), "Fig. 9 of the paper: standard deviation "
               f"over contact stiffness by cut-off. {SHARP}",
               "Standard deviation over contact stiffness."),
         Table("Change of the standard deviation from 50 to 500 kN/m [%].",
-              ("cut-off", "paper", *(f"NAD {one}" for one in meshes)), "lr" + "r" * len(meshes),
+              ("cut-off", "paper", *(str(one) for one in every)), "lr" + "r" * len(every),
               rows),
     )  # fmt: skip
     return Section("stiffness", "Contact stiffness (III.B)", blocks)

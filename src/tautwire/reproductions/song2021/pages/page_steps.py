@@ -11,18 +11,20 @@ from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import MISSING, number
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.pages import drawings_steps
-from tautwire.reproductions.song2021.passages import FITTING
+from tautwire.reproductions.song2021.passages import FULL, UNCALIBRATED
 from tautwire.reproductions.song2021.sections import steps
-from tautwire.reproductions.song2021.sections.irregular import SEED, ideal
+from tautwire.reproductions.song2021.sections.irregular import ideal
 
 if TYPE_CHECKING:
     from tautwire.reproductions.song2021.reproduction import Material
 
 _INTRODUCTION = (
     "The paper assumes the irregularity 'as a set of random uniform number' and states neither "
-    "what it is nor its size. Two readings: the contact wire is installed at wrong heights at the "
+    "what it is nor its size. Readings: the contact wire is installed at wrong heights at the "
     "droppers, up to 2 mm (beyond 3 mm droppers would be slack at rest), or its running surface is "
-    f"uneven, up to 1 mm every 0.7 m. Seed {SEED}, NAD 9, the uplift force of the ideal line. Each "
+    "uneven every 0.7 m, up to 1 mm for the stiff plane reading and up to 2 mm for the "
+    f"uncalibrated one. {len(FULL.seeds)} random wires each, judged together; NAD 9, the uplift "
+    "force of the ideal line. Each "
     "wire is passed with a constant step of 1 ms, read by counting samples without contact and by "
     "interpolating between samples; with the paper's variable step of 1 ms, in which steps end "
     "where contact opens or closes (|δ| < 0.1 mm); with 0.2 ms, counted; with steps refined around "
@@ -50,31 +52,33 @@ def steps_section(material: Material) -> Section:
 
 
 def _figures(material: Material) -> list[object]:
-    trials = [t for t in material.trials if t.stiffness == FITTING] or material.trials[:1]
-    run = material.passages.run(ideal(trials[0].stiffness))
+    plain = [t for t in material.trials if not t.is_corrected]
+    own = [t for t in plain if t.reading == UNCALIBRATED] or plain[:1]
+    run = material.passages.run(ideal(own[0].reading))
     section = analysed_section(run)
+    whens = {trial.kind: drawings_steps.telling_losses(trial.wires[0]) for trial in own}
     blocks: list[object] = []
-    whens = drawings_steps.telling_losses(trials[0])
-    if whens:
-        blocks.append(
-            chart("fig-16", drawings_steps.separation(trials[0], whens[0]), "Fig. 16 of the paper, "
-                  "drawn from a separation of this passage. The line through the undivided step "
-                  "meets zero near the located instant; the history of 0.05 ms separates "
-                  "elsewhere, because a step of 1 ms has changed the motion before.",
-                  "Penetration around a separation.")
-        )  # fmt: skip
+    for trial in own:
+        if whens[trial.kind] and not blocks:
+            blocks.append(
+                chart("fig-16", drawings_steps.separation(trial.wires[0], whens[trial.kind][0]),
+                      "Fig. 16 of the paper, drawn from a separation of this passage. The line "
+                      "through the undivided step meets zero near the located instant; the history "
+                      "of 0.05 ms separates elsewhere, because a step of 1 ms has changed the "
+                      "motion before.", "Penetration around a separation.")
+            )  # fmt: skip
     blocks += [
-        chart("fig-17", drawings_steps.irregular_presag(trials, run.equilibrium,
+        chart("fig-17", drawings_steps.irregular_presag(own, run.equilibrium,
               (section.start, section.end)), "Fig. 17 of the paper: running surface with "
               "irregularities, beside the ideal line.",
               "Static height of the irregular contact wire."),
         *(
             chart(f"fig-18-{trial.kind}", drawings_steps.step_forces(
-                  trial, drawings_steps.telling_losses(trial)), "Fig. 18 of the paper, "
+                  trial.wires[0], whens[trial.kind]), "Fig. 18 of the paper, "
                   f"{trial.name}: unfiltered contact force by time step, enlarged around the "
                   "longest loss and around one that 1 ms misses or counts worst.",
                   "Contact force by time step.")
-            for trial in trials
+            for trial in own
         ),
     ]  # fmt: skip
     return blocks
@@ -104,7 +108,7 @@ def _summary(trials: list[steps.Trial]) -> Table:
                             _percent(match.largest_error),
                         )
                     ),
-                    number(trial.runs[steps.WAYS[label][0]].cpu, 1),
+                    number(trial.cpu(steps.WAYS[label][0]), 1),
                 )
             )
     return Table(

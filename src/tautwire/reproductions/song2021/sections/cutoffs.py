@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +10,20 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.force.cutoff import advise_cutoff
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
+from tautwire.reproductions.song2021.claims import (
+    ALWAYS,
+    Claim,
+    Condition,
+    Evidence,
+    least,
+    most,
+    under,
+)
 from tautwire.reproductions.song2021.passages import (
-    FITTING,
     OTHER_MEAN,
     SPEEDS,
-    STIFFNESSES,
     TOP_SPEED,
+    UNCALIBRATED,
     Scope,
     standard,
 )
@@ -29,8 +36,6 @@ CLOSE = 10.0
 
 MUCH_LOWER = 10.0
 """Least share of the standard deviation at the suggested cut-off that 20 Hz miss [%]."""
-
-LAW = "70 N + 0.00097 v²"
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +56,7 @@ class Curves:
     high: Array
 
 
-def gather(passages: Passages, scope: Scope) -> dict[str, Curves]:
+def gather(passages: Passages, scope: Scope) -> dict[Condition, Curves]:
     """Return Fig. 15 under every reading that was computed.
 
     Parameters
@@ -59,14 +64,16 @@ def gather(passages: Passages, scope: Scope) -> dict[str, Curves]:
     passages
     scope
     """
-    found: dict[str, Curves] = {}
-    for stiffness in STIFFNESSES:
-        for mean, label in ((None, LAW), (OTHER_MEAN, f"{OTHER_MEAN:g} N")):
-            names = [
-                standard(scope.mesh, stiffness, v, None if v == TOP_SPEED else mean) for v in SPEEDS
-            ]
-            if passages.has(*names) and (mean is None or stiffness == FITTING):
-                found[f"{stiffness} kN/m, mean force {label}"] = _curves(passages, names)
+    found: dict[Condition, Curves] = {}
+    for reading in scope.readings:
+        names = [standard(scope.mesh, reading, v) for v in SPEEDS]
+        if passages.has(*names):
+            found[under(reading)] = _curves(passages, names)
+    names = [standard(scope.mesh, UNCALIBRATED, v, None if v == TOP_SPEED else OTHER_MEAN)
+             for v in SPEEDS]  # fmt: skip
+    if passages.has(*names):
+        text = f"{UNCALIBRATED}, mean force {OTHER_MEAN:g} N at all speeds"
+        found[Condition(text, departs=True)] = _curves(passages, names)
     return found
 
 
@@ -81,7 +88,7 @@ def _curves(passages: Passages, names: list[str]) -> Curves:
     )
 
 
-def claims(curves: Mapping[str, Curves]) -> list[Claim]:
+def claims(curves: Mapping[Condition, Curves]) -> list[Claim]:
     """Judge section IV.C.
 
     Parameters
@@ -92,36 +99,43 @@ def claims(curves: Mapping[str, Curves]) -> list[Claim]:
     return [_frequencies(curves), _close(curves), _much_lower(curves)]
 
 
-def _frequencies(curves: Mapping[str, Curves]) -> Claim:
+def _frequencies(curves: Mapping[Condition, Curves]) -> Claim:
     found: list[Evidence] = []
     for own in list(curves.values())[:1]:
         for speed, value in zip(SPEEDS, own.cutoff.tolist(), strict=True):
             wanted = published.CUTOFFS[speed]
             text = f"suggested cut-off at {speed} km/h"
-            found.append(Evidence("", text, value, "Hz", wanted - 0.01, wanted + 0.01, wanted))
+            found.append(Evidence(ALWAYS, text, value, "Hz", wanted - 0.01, wanted + 0.01, wanted))
     text = "A quarter of SD needs 0.9 1/m: 50, 56.25, 62.5, 68.75 and 80 Hz at the five speeds."
     return Claim("cutoff-frequencies", "IV.C", text, tuple(found))
 
 
-def _close(curves: Mapping[str, Curves]) -> Claim:
-    found = tuple(
-        most(name, f"σ missed by the suggested cut-off at {speed} km/h", missed, CLOSE)
-        for name, own in curves.items()
-        for speed, missed in zip(
-            SPEEDS, (100.0 * (1.0 - own.suggested / own.high)).tolist(), strict=True
-        )
-    )
+def _close(curves: Mapping[Condition, Curves]) -> Claim:
+    found = _at_speeds(most, curves, "the suggested cut-off", CLOSE, "suggested", "high")
     text = "Standard deviations at the suggested cut-off are very close to those to 200 Hz."
     return Claim("cutoff-close", "IV.C, VI.4", text, found)
 
 
-def _much_lower(curves: Mapping[str, Curves]) -> Claim:
-    found = tuple(
-        least(name, f"σ missed by 20 Hz at {speed} km/h", missed, MUCH_LOWER)
-        for name, own in curves.items()
-        for speed, missed in zip(
-            SPEEDS, (100.0 * (1.0 - own.low / own.suggested)).tolist(), strict=True
-        )
-    )
+def _much_lower(curves: Mapping[Condition, Curves]) -> Claim:
+    found = _at_speeds(least, curves, "20 Hz", MUCH_LOWER, "low", "suggested")
     text = "Standard deviations to 20 Hz are much lower than those at the suggested cut-off."
     return Claim("cutoff-20", "IV.C", text, found)
+
+
+def _at_speeds(
+    ask: Callable[[Condition, str, float, float], Evidence],
+    curves: Mapping[Condition, Curves],
+    cutoff: str,
+    limit: float,
+    below: str,
+    above: str,
+) -> tuple[Evidence, ...]:
+    """Ask for the share of a standard deviation that a cut-off misses at every speed [%]."""
+    return tuple(
+        ask(condition, f"σ missed by {cutoff} at {speed} km/h", missed, limit)
+        for condition, own in curves.items()
+        for speed, missed in zip(
+            SPEEDS, (100.0 * (1.0 - getattr(own, below) / getattr(own, above))).tolist(),
+            strict=True,
+        )
+    )  # fmt: skip

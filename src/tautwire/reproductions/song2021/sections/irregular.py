@@ -11,8 +11,10 @@ from typing import Any
 
 from tautwire.reproductions.song2021.passages import (
     HEIGHTS,
+    ROUGH,
     SURFACE,
     TOP_SPEED,
+    Reading,
     Scope,
     passage_study,
     standard,
@@ -20,10 +22,17 @@ from tautwire.reproductions.song2021.passages import (
 )
 from tautwire.specs.study import Study
 
-SEED = 2021
-
 MESH = 9
 """Nodes between adjacent droppers (NAD) of section V."""
+
+
+def _surface(amplitude: str) -> Mapping[str, Any]:
+    return {
+        "irregularities.unevenness": [
+            {"kind": "uniform", "spacing": "0.7 m", "amplitude": amplitude}
+        ]
+    }
+
 
 IRREGULARITIES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     HEIGHTS: (
@@ -36,37 +45,43 @@ IRREGULARITIES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
             }
         },
     ),
-    SURFACE: (
-        "surface ±1 mm",
-        {
-            "irregularities.unevenness": [
-                {"kind": "uniform", "spacing": "0.7 m", "amplitude": "1 mm"}
-            ]
-        },
-    ),
+    SURFACE: ("surface ±1 mm", _surface("1 mm")),
+    ROUGH: ("surface ±2 mm", _surface("2 mm")),
 }
-"""The two readings of 'a set of random uniform number', of which the paper states neither place nor
-size: name, words, values. Height errors beyond 3 mm would leave droppers slack at rest; 0.7 m is
-about an element of the mesh."""
+"""Readings of 'a set of random uniform number', of which the paper states neither place nor size:
+name, words, values. Height errors beyond 3 mm would leave droppers slack at rest; 0.7 m is about an
+element of the mesh; 2 mm make the uncalibrated reading lose contact about as often as the paper (16
+times), 1 mm does so for the stiff plane one."""
 
 COARSE, VARIABLE, FINE, ADAPTIVE, FINEST = "1ms", "variable", "0.2ms", "adaptive", "0.05ms"
+WAVES = "+waves"
+"""Ending of the names of steps that make up for the loss of wave speed by the step."""
+
+_VARIABLE = {"method": "variable", "gap_tolerance": "0.1 mm"}
 
 STEPS: Mapping[str, Mapping[str, Any]] = {
     COARSE: {},
-    VARIABLE: {"settings.step_control": {"method": "variable", "gap_tolerance": "0.1 mm"}},
+    VARIABLE: {"settings.step_control": _VARIABLE},
     FINE: {"settings.time_step": "0.2 ms"},
     ADAPTIVE: {"settings.step_control": "adaptive"},
     FINEST: {"settings.time_step": "0.05 ms"},
+    COARSE + WAVES: {"settings.step_control": {"corrects_waves": True}},
+    VARIABLE + WAVES: {"settings.step_control": {**_VARIABLE, "corrects_waves": True}},
+    FINE + WAVES: {
+        "settings.time_step": "0.2 ms",
+        "settings.step_control": {"corrects_waves": True},
+    },
 }
-"""Ways to step by name: values that differ from a constant step of 1 ms."""
+"""Ways to step by name: values that differ from a constant step of 1 ms. The adaptive step corrects
+wave speeds always; for 0.05 ms there is nothing to correct."""
 
 
-def irregular(step: str, stiffness: int, kind: str) -> str:
-    """Return the name of a passage by way to step, contact stiffness [kN/m] and irregularity."""
-    return f"irregular-{kind}-{step}-k{stiffness}"
+def irregular(step: str, reading: Reading, kind: str, seed: int) -> str:
+    """Return the name of a passage by way to step, reading, irregularity and seed."""
+    return f"irregular-{kind}-{seed}-{step}-{reading.name}"
 
 
-def irregular_passages(scope: Scope, uplift: Mapping[int, float]) -> dict[str, dict[str, Any]]:
+def irregular_passages(scope: Scope, uplift: Mapping[Reading, float]) -> dict[str, dict[str, Any]]:
     """List the passages of section V by name: the values that differ from the library case.
 
     Parameters
@@ -74,34 +89,30 @@ def irregular_passages(scope: Scope, uplift: Mapping[int, float]) -> dict[str, d
     scope
         How much is wanted.
     uplift
-        Uplift force of the ideal line by contact stiffness [kN/m] [N].
+        Uplift force of the ideal line by reading [N].
     """
-    found: dict[str, dict[str, Any]] = {}
-    for stiffness in scope.irregular:
-        if stiffness not in uplift:
-            continue
-        shared = {
-            **values_of(MESH, stiffness, TOP_SPEED),
-            "scenario.uplift_force": uplift[stiffness],
-            "settings.seed": SEED,
+    return {
+        irregular(step, reading, kind, seed): {
+            **values_of(MESH, reading, TOP_SPEED),
+            "scenario.uplift_force": uplift[reading],
+            "settings.seed": seed,
+            **IRREGULARITIES[kind][1],
+            **changes,
         }
-        for kind in scope.kinds:
-            for step, changes in STEPS.items():
-                found[irregular(step, stiffness, kind)] = {
-                    **shared,
-                    **IRREGULARITIES[kind][1],
-                    **changes,
-                }
-    return found
+        for reading, kind in scope.irregular
+        if reading in uplift
+        for seed in scope.seeds
+        for step, changes in STEPS.items()
+    }
 
 
-def ideal(stiffness: int) -> str:
+def ideal(reading: Reading) -> str:
     """Return the name of the passage along the ideal line that section V starts from."""
-    return standard(MESH, stiffness)
+    return standard(MESH, reading)
 
 
 def irregular_study(
-    scope: Scope, uplift: Mapping[int, float], changes: Mapping[str, Any] | None = None
+    scope: Scope, uplift: Mapping[Reading, float], changes: Mapping[str, Any] | None = None
 ) -> Study | None:
     """Make the study of section V; None when there is nothing to run.
 
@@ -109,7 +120,7 @@ def irregular_study(
     ----------
     scope
     uplift
-        Uplift force by contact stiffness [kN/m] [N].
+        Uplift force by reading [N].
     changes
         Values replaced in all passages.
     """

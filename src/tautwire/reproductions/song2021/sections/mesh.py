@@ -9,8 +9,21 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.wavelengths import line_lengths
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
-from tautwire.reproductions.song2021.passages import MESHES, READINGS, TOP_SPEED, standard
+from tautwire.reproductions.song2021.claims import (
+    ALWAYS,
+    Claim,
+    Evidence,
+    least,
+    most,
+    under,
+)
+from tautwire.reproductions.song2021.passages import (
+    MESHES,
+    READINGS,
+    TOP_SPEED,
+    Reading,
+    standard,
+)
 from tautwire.reproductions.song2021.sections.forces import Comb, Passages, comb
 from tautwire.signals.spectra import amplitude_spectrum
 
@@ -27,19 +40,14 @@ SIMILAR = 5.0
 """Differences up to this count as not big [%]."""
 
 
-def computed(passages: Passages) -> list[int]:
-    """Return the contact stiffnesses at which all four meshes were computed [kN/m]."""
+def computed(passages: Passages) -> list[Reading]:
+    """Return the readings under which all four meshes were computed."""
     return [k for k in READINGS if passages.has(*(standard(mesh, k) for mesh in MESHES))]
 
 
-def condition(stiffness: int) -> str:
-    """Name a contact stiffness."""
-    return f"{stiffness} kN/m"
-
-
-def deviations(passages: Passages, stiffness: int) -> dict[int, Array]:
+def deviations(passages: Passages, reading: Reading) -> dict[int, Array]:
     """Return the standard deviations of the four meshes by cut-off [Hz] [N]."""
-    names = [standard(mesh, stiffness) for mesh in MESHES]
+    names = [standard(mesh, reading) for mesh in MESHES]
     return {cutoff: passages.deviations(names, cutoff) for cutoff in CUTOFFS}
 
 
@@ -72,18 +80,18 @@ def claims(passages: Passages) -> list[Claim]:
 
 
 def _no_effect(
-    passages: Passages, every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]
+    passages: Passages, every: Sequence[Reading], by_cutoff: dict[Reading, dict[int, Array]]
 ) -> Claim:
     found: list[Evidence] = []
     for k in every:
-        found.append(most(condition(k), "spread of σ(0–20)", spread(by_cutoff[k][20]), SAME))
+        found.append(most(under(k), "spread of σ(0–20)", spread(by_cutoff[k][20]), SAME))
         coarse, fine = (
             passages.low_passed(name, 20.0)[passages.inside(name)]
             for name in (standard(MESHES[0], k), standard(MESHES[-1], k))
         )
         difference = 100.0 * float(np.std(_paired(coarse, fine)) / np.std(fine))
         text = "rms difference of the histories NAD 9 and 18 over σ"
-        found.append(most(condition(k), text, difference, SIMILAR))
+        found.append(most(under(k), text, difference, SIMILAR))
     text = "Low-passed at 20 Hz the force shows no significant difference between the meshes."
     return Claim("mesh-20", "III.A", text, tuple(found))
 
@@ -93,17 +101,17 @@ def _paired(first: Array, second: Array) -> Array:
     return first[:size] - second[:size]
 
 
-def _little_effect(every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]) -> Claim:
-    found = [most(condition(k), "spread of σ(0–100)", spread(by_cutoff[k][100]), SIMILAR)
+def _little_effect(every: Sequence[Reading], by_cutoff: dict[Reading, dict[int, Array]]) -> Claim:
+    found = [most(under(k), "spread of σ(0–100)", spread(by_cutoff[k][100]), SIMILAR)
              for k in every]  # fmt: skip
     text = "With a cut-off of 100 Hz the standard deviations of the meshes differ little."
     return Claim("mesh-100", "III.A", text, tuple(found))
 
 
-def _higher(every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]) -> Claim:
+def _higher(every: Sequence[Reading], by_cutoff: dict[Reading, dict[int, Array]]) -> Claim:
     found = [
         least(
-            condition(k),
+            under(k),
             "σ(0–200) of NAD 9 over that of NAD 18",
             100.0 * float(by_cutoff[k][200][0] / by_cutoff[k][200][-1] - 1.0),
             SAME,
@@ -114,10 +122,10 @@ def _higher(every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]) -> Cla
     return Claim("mesh-200", "III.A", text, tuple(found))
 
 
-def _converged(every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]) -> Claim:
+def _converged(every: Sequence[Reading], by_cutoff: dict[Reading, dict[int, Array]]) -> Claim:
     found = [
         most(
-            condition(k),
+            under(k),
             f"difference of σ(0–{cutoff}) between NAD 15 and 18",
             100.0 * abs(float(by_cutoff[k][cutoff][2] / by_cutoff[k][cutoff][3] - 1.0)),
             SAME,
@@ -129,31 +137,31 @@ def _converged(every: Sequence[int], by_cutoff: dict[int, dict[int, Array]]) -> 
     return Claim("mesh-converged", "III.A", text, tuple(found))
 
 
-def _same_spectra(passages: Passages, every: Sequence[int]) -> Claim:
+def _same_spectra(passages: Passages, every: Sequence[Reading]) -> Claim:
     found: list[Evidence] = []
     for k in every:
         coarse, fine = (force_comb(passages, standard(m, k), 100.0).value for m in (9, 18))
         difference = 100.0 * float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
-        found.append(most(condition(k), "difference of the spectra of NAD 9 and 18 over the "
+        found.append(most(under(k), "difference of the spectra of NAD 9 and 18 over the "
                           "spectrum, 0–100 Hz", difference, SIMILAR))  # fmt: skip
     text = "For 0-100 Hz the spectra of the meshes are almost the same."
     return Claim("mesh-spectra", "III.A", text, tuple(found))
 
 
-def _frequencies(passages: Passages, every: Sequence[int]) -> Claim:
+def _frequencies(passages: Passages, every: Sequence[Reading]) -> Claim:
     found: list[Evidence] = []
     for mesh in MESHES if every else ():
         lengths = line_lengths(passages.run(standard(mesh, every[0])).case).elements
         for length, wanted in zip(lengths, published.ELEMENT_PASSING[mesh], strict=True):
             found.append(
-                Evidence("", f"v/Le of NAD {mesh}", SPEED / length, "Hz", wanted - 0.06,
+                Evidence(ALWAYS, f"v/Le of NAD {mesh}", SPEED / length, "Hz", wanted - 0.06,
                          wanted + 0.06, wanted)
             )  # fmt: skip
     text = "Element passing v/Le of the four meshes (eight frequencies, limit ±0.06 Hz)."
     return Claim("element-frequencies", "III.A", text, tuple(found))
 
 
-def difference_comb(passages: Passages, mesh: int, stiffness: int) -> Comb:
+def difference_comb(passages: Passages, mesh: int, reading: Reading) -> Comb:
     """Return the comb of the difference between the histories of a mesh and of its finer one.
 
     What both meshes agree on cancels, so that lines of the elements stand alone.
@@ -163,10 +171,9 @@ def difference_comb(passages: Passages, mesh: int, stiffness: int) -> Comb:
     passages
     mesh
         NAD.
-    stiffness
-        Contact stiffness [kN/m].
+    reading
     """
-    names = [standard(m, stiffness) for m in (mesh, finer(mesh))]
+    names = [standard(m, reading) for m in (mesh, finer(mesh))]
     own, other = (passages.force(name).force[passages.inside(name)] for name in names)
     spectrum = amplitude_spectrum(_paired(own, other), passages.force(names[0]).time_step)
     return comb(spectrum, SPEED / passages.span, HIGHEST)
@@ -177,7 +184,7 @@ def finer(mesh: int) -> int:
     return MESHES[-1] if mesh != MESHES[-1] else MESHES[-2]
 
 
-def false_alarms(passages: Passages, stiffness: int) -> tuple[float, int]:
+def false_alarms(passages: Passages, reading: Reading) -> tuple[float, int]:
     """Return the share of places that stand out on the finest mesh though no element is passed [%].
 
     All lines from 100 Hz to 5 % below its own first element passing are tested: the test is worth
@@ -186,8 +193,7 @@ def false_alarms(passages: Passages, stiffness: int) -> tuple[float, int]:
     Parameters
     ----------
     passages
-    stiffness
-        Contact stiffness [kN/m].
+    reading
 
     Returns
     -------
@@ -195,14 +201,14 @@ def false_alarms(passages: Passages, stiffness: int) -> tuple[float, int]:
     number : int
         Of places.
     """
-    own = force_comb(passages, standard(MESHES[-1], stiffness))
+    own = force_comb(passages, standard(MESHES[-1], reading))
     limit = 0.95 * published.ELEMENT_PASSING[MESHES[-1]][0]
     places = own.abscissa[(own.abscissa >= 100.0) & (own.abscissa <= limit)]
     found = [own.test(float(place), reach=0).stands_out for place in places]
     return 100.0 * float(np.mean(found)), len(found)
 
 
-def _element_lines(passages: Passages, every: Sequence[int]) -> list[Claim]:
+def _element_lines(passages: Passages, every: Sequence[Reading]) -> list[Claim]:
     return [
         Claim(
             f"element-line-{frequency:g}",
@@ -221,14 +227,14 @@ def _element_lines(passages: Passages, every: Sequence[int]) -> list[Claim]:
 
 
 def _line_evidence(
-    passages: Passages, mesh: int, every: Sequence[int], frequency: float
+    passages: Passages, mesh: int, every: Sequence[Reading], frequency: float
 ) -> tuple[Evidence, ...]:
     found: list[Evidence] = []
     for k in every:
         own = force_comb(passages, standard(mesh, k)).test(frequency)
         other = force_comb(passages, standard(finer(mesh), k)).test(frequency)
         alone = difference_comb(passages, mesh, k).test(frequency)
-        where = condition(k)
+        where = under(k)
         found += [
             least(where, "power over the mean around it", own.ratio, own.limit, "1"),
             most(where, f"the same on NAD {finer(mesh)}", other.ratio, other.limit, "1"),
@@ -241,7 +247,7 @@ def _line_evidence(
     return tuple(found)
 
 
-def _half_element(passages: Passages, every: Sequence[int]) -> Claim:
+def _half_element(passages: Passages, every: Sequence[Reading]) -> Claim:
     exact = 2.0 * published.ELEMENT_PASSING[9][0]
     text = (
         "NAD 9 shows a significant peak at around 250 Hz, half the element length (n = 2; exactly "
@@ -251,15 +257,15 @@ def _half_element(passages: Passages, every: Sequence[int]) -> Claim:
     for k in every:
         share, number = false_alarms(passages, k)
         words = f"the test itself: share of {number} places of NAD 18 that stand out for no reason"
-        found.append(Evidence(condition(k), words, share, "%"))
+        found.append(Evidence(under(k), words, share, "%"))
     return Claim("element-line-half", "III.A", text, tuple(found))
 
 
-def _suitable(passages: Passages, every: Sequence[int]) -> Claim:
+def _suitable(passages: Passages, every: Sequence[Reading]) -> Claim:
     found: list[Evidence] = []
     for mesh in (15, 18) if every else ():
         lengths = line_lengths(passages.run(standard(mesh, every[0])).case).elements
-        found.append(least("", f"lowest v/Le of NAD {mesh}", SPEED / max(lengths), 200.0, "Hz"))
+        found.append(least(ALWAYS, f"lowest v/Le of NAD {mesh}", SPEED / max(lengths), 200.0, "Hz"))
     text = "NAD 15 and 18 keep element passing out of 0-200 Hz at 320 km/h."
     return Claim("mesh-choice", "III.A, VI.1", text, tuple(found))
 

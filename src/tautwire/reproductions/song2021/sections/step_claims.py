@@ -7,8 +7,14 @@ from collections.abc import Sequence
 
 from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
-from tautwire.reproductions.song2021.passages import MESHES, STIFFNESSES, standard
+from tautwire.reproductions.song2021.claims import Claim, Condition, Evidence, least, most
+from tautwire.reproductions.song2021.passages import (
+    LINES,
+    MESHES,
+    UNCALIBRATED,
+    series,
+    standard,
+)
 from tautwire.reproductions.song2021.sections.forces import Passages
 from tautwire.reproductions.song2021.sections.irregular import COARSE, FINE, FINEST, VARIABLE
 from tautwire.reproductions.song2021.sections.steps import (
@@ -57,15 +63,16 @@ def claims(passages: Passages, trials: Sequence[Trial]) -> list[Claim]:
 def _no_loss(passages: Passages) -> Claim:
     found = tuple(
         most(
-            f"NAD {m}, {k} kN/m",
+            Condition(f"{reading}, NAD {m}", reading != UNCALIBRATED),
             "contact losses on the ideal line",
-            contact_loss(passages.run(standard(m, k)))[0].count,
+            contact_loss(passages.run(standard(m, reading)))[0].count,
             0.0,
             "",
         )
+        for line in LINES
+        for reading in series(line)
         for m in (MESHES[0], MESHES[-2])
-        for k in STIFFNESSES
-        if passages.has(standard(m, k))
+        if passages.has(standard(m, reading))
     )
     text = "Simulations in ideal conditions cannot reproduce contact loss."
     return Claim("losses-ideal", "V.B", text, found)
@@ -76,9 +83,9 @@ def _waveform(trials: Sequence[Trial]) -> Claim:
     for trial in trials:
         for step in (COARSE, FINE):
             text = f"correlation of the force with that of the variable step, {step}"
-            found.append(least(trial.name, text, trial.alike(VARIABLE, step), ALIKE, "1"))
+            found.append(least(trial.condition, text, trial.alike(VARIABLE, step), ALIKE, "1"))
         text = "the same, variable step beside 0.05 ms"
-        found.append(Evidence(trial.name, text, trial.alike(VARIABLE, FINEST), "1"))
+        found.append(Evidence(trial.condition, text, trial.alike(VARIABLE, FINEST), "1"))
     text = "The waveforms of the force by all three time steps are generally similar (Fig. 18)."
     return Claim("losses-waveform", "V.B", text, tuple(found))
 
@@ -88,12 +95,12 @@ def _large_error(trials: Sequence[Trial]) -> Claim:
     for trial in trials:
         match = trial.against(PAPER)[COUNTED_1]
         found += [
-            Evidence(trial.name, "largest difference of 1 ms, counted, from the variable step",
+            Evidence(trial.condition, "largest difference of 1 ms, counted, from the variable step",
                      100.0 * match.largest_error, "%", low=SMALL_ERROR,
                      published=published.LARGEST_ERROR_CONSTANT_1),
-            Evidence(trial.name, "median of these differences", 100.0 * match.median_error, "%",
-                     published=published_errors(published.LOSS_CONSTANT_1)[0]),
-            Evidence(trial.name, "the same for 1 ms, interpolated",
+            Evidence(trial.condition, "median of these differences", 100.0 * match.median_error,
+                     "%", published=published_errors(published.LOSS_CONSTANT_1)[0]),
+            Evidence(trial.condition, "the same for 1 ms, interpolated",
                      100.0 * trial.against(PAPER)[INTERPOLATED].median_error, "%"),
         ]  # fmt: skip
     text = (
@@ -109,9 +116,9 @@ def _missed(trials: Sequence[Trial]) -> Claim:
     for trial in trials:
         match = trial.against(PAPER)[COUNTED_1]
         found += [
-            Evidence(trial.name, "losses of the variable step that 1 ms, counted, does not see",
-                     len(match.missed), "", low=1.0, published=2.0),
-            Evidence(trial.name, "losses of the variable step", match.loss.count, ""),
+            Evidence(trial.condition, "losses of the variable step that 1 ms, counted, does not "
+                     "see", len(match.missed), "", low=1.0, published=2.0),
+            Evidence(trial.condition, "losses of the variable step", match.loss.count, ""),
         ]  # fmt: skip
     text = "Two losses that the variable step sees are not captured by the constant step of 1 ms."
     remark = (
@@ -123,7 +130,7 @@ def _missed(trials: Sequence[Trial]) -> Claim:
 
 def _beyond(trials: Sequence[Trial]) -> Claim:
     found = tuple(
-        Evidence(trial.name, "losses of 0.2 ms, counted, that the variable step does not see",
+        Evidence(trial.condition, "losses of 0.2 ms, counted, that the variable step does not see",
                  len(trial.against(COUNTED_5)[PAPER].missed), "", low=1.0, published=2.0)
         for trial in trials
     )  # fmt: skip
@@ -136,10 +143,10 @@ def _fine_step(trials: Sequence[Trial]) -> Claim:
     for trial in trials:
         match = trial.against(PAPER)[COUNTED_5]
         found += [
-            Evidence(trial.name, "largest difference of 0.2 ms, counted, from the variable step",
-                     100.0 * match.largest_error, "%", high=SMALL_ERROR, published=18.44),
-            Evidence(trial.name, "median of these differences", 100.0 * match.median_error, "%",
-                     published=published_errors(published.LOSS_CONSTANT_5)[0]),
+            Evidence(trial.condition, "largest difference of 0.2 ms, counted, from the variable "
+                     "step", 100.0 * match.largest_error, "%", high=SMALL_ERROR, published=18.44),
+            Evidence(trial.condition, "median of these differences", 100.0 * match.median_error,
+                     "%", published=published_errors(published.LOSS_CONSTANT_5)[0]),
         ]  # fmt: skip
     text = "Durations by the constant step of 0.2 ms and the variable step differ by up to 20 %."
     remark = (
@@ -156,7 +163,7 @@ def _better(trials: Sequence[Trial]) -> Claim:
         if math.isnan(chance):  # too few losses to tell
             continue
         found += _errors(trial, trial.against(REFERENCE), (PAPER, INTERPOLATED, COUNTED_1))
-        found.append(most(trial.name, "chance of so clear an advantage over 1 ms, counted, if "
+        found.append(most(trial.condition, "chance of so clear an advantage over 1 ms, counted, if "
                           "there were none", 100.0 * chance, 100.0 * BY_CHANCE))  # fmt: skip
     text = (
         "The variable step improves the accuracy of durations over counting at the same sampling "
@@ -168,14 +175,14 @@ def _better(trials: Sequence[Trial]) -> Claim:
 def _method(trials: Sequence[Trial]) -> Claim:
     found: list[Evidence] = []
     for trial in trials:
-        matches, runs = trial.against(REFERENCE), trial.runs
+        matches = trial.against(REFERENCE)
         found += _errors(trial, matches, (PAPER, COUNTED_5, REFINED))
         ratio = matches[PAPER].median_error / matches[COUNTED_5].median_error
         found += [
-            most(trial.name, "median error of the variable step over that of 0.2 ms, counted",
+            most(trial.condition, "median error of the variable step over that of 0.2 ms, counted",
                  ratio, 1.0, "1"),
-            most(trial.name, "processor time of the variable step over that of 0.2 ms",
-                 runs[VARIABLE].cpu / runs[FINE].cpu, 1.0, "1"),
+            most(trial.condition, "processor time of the variable step over that of 0.2 ms",
+                 trial.cpu(VARIABLE) / trial.cpu(FINE), 1.0, "1"),
         ]  # fmt: skip
     text = (
         "The variable step captures durations accurately without a very high sampling frequency "
@@ -187,6 +194,6 @@ def _method(trials: Sequence[Trial]) -> Claim:
 def _errors(trial: Trial, matches: dict[str, LossMatch], ways: Sequence[str]) -> list[Evidence]:
     """Show median errors against the reference."""
     return [
-        Evidence(trial.name, f"median error of {way}", 100.0 * matches[way].median_error, "%")
+        Evidence(trial.condition, f"median error of {way}", 100.0 * matches[way].median_error, "%")
         for way in ways
     ]

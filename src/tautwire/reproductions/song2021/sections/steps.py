@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,8 @@ from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.analyses.force.loss_comparison import compare_losses
 from tautwire.analyses.force.section import analysed_section, time_in_section
 from tautwire.reproductions.song2021 import published
-from tautwire.reproductions.song2021.passages import Scope
+from tautwire.reproductions.song2021.claims import Condition, under
+from tautwire.reproductions.song2021.passages import Reading, Scope
 from tautwire.reproductions.song2021.sections.forces import Passages
 from tautwire.reproductions.song2021.sections.irregular import (
     ADAPTIVE,
@@ -23,6 +24,7 @@ from tautwire.reproductions.song2021.sections.irregular import (
     IRREGULARITIES,
     STEPS,
     VARIABLE,
+    WAVES,
     irregular,
 )
 from tautwire.results.equilibrium import Equilibrium
@@ -76,30 +78,20 @@ class StepRun:
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
-    """One irregular wire at one contact stiffness, passed in every way.
+class Wire:
+    """One random wire, passed in every way.
 
     Attributes
     ----------
-    stiffness : int kN/m
-    kind : str
-        Key of :data:`IRREGULARITIES`.
     runs : mapping of str to StepRun
         By way to step.
     shape : Equilibrium
     drawn : DrawnIrregularities
     """
 
-    stiffness: int
-    kind: str
     runs: Mapping[str, StepRun]
     shape: Equilibrium
     drawn: DrawnIrregularities
-
-    @property
-    def name(self) -> str:
-        """Contact stiffness and irregularity in words."""
-        return f"{self.stiffness} kN/m, {IRREGULARITIES[self.kind][0]}"
 
     def losses(self) -> dict[str, ContactLoss]:
         """Return the losses by way to find them."""
@@ -120,6 +112,75 @@ class Trial:
         return float(np.corrcoef(one.force, other)[0, 1])
 
 
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Several random wires of one kind under one reading; their losses are judged together.
+
+    Attributes
+    ----------
+    reading : Reading
+    kind : str
+        Key of :data:`IRREGULARITIES`.
+    is_corrected : bool
+        Whether all steps make up for the loss of wave speed.
+    wires : tuple of Wire
+        One per seed.
+    """
+
+    reading: Reading
+    kind: str
+    is_corrected: bool
+    wires: tuple[Wire, ...]
+
+    @property
+    def condition(self) -> Condition:
+        """Under which condition numbers of these wires are found."""
+        more = ["wave speed corrected"] if self.is_corrected else []
+        return under(self.reading, IRREGULARITIES[self.kind][0], *more)
+
+    @property
+    def name(self) -> str:
+        """Reading and irregularity in words."""
+        return self.condition.text
+
+    def losses(self) -> dict[str, ContactLoss]:
+        """Return the losses of all wires by way to find them."""
+        every = [wire.losses() for wire in self.wires]
+        return {label: _joined([own[label] for own in every]) for label in WAYS}
+
+    def against(self, reference: str) -> dict[str, LossMatch]:
+        """Compare all other ways with one of them, loss by loss, over all wires."""
+        every = [wire.against(reference) for wire in self.wires]
+        return {
+            label: LossMatch(
+                label,
+                _joined([own[label].loss for own in every]),
+                tuple(pair for own in every for pair in own[label].pairs),
+                tuple(event for own in every for event in own[label].missed),
+                tuple(event for own in every for event in own[label].spurious),
+                every[0][label].shortest,
+            )
+            for label in every[0]
+        }
+
+    def alike(self, first: str, second: str) -> float:
+        """Return the least correlation of the unfiltered forces of two ways to step."""
+        return min(wire.alike(first, second) for wire in self.wires)
+
+    def cpu(self, step: str) -> float:
+        """Return the processor time of the passages with a way to step [s]."""
+        return sum(wire.runs[step].cpu for wire in self.wires)
+
+
+def _joined(losses: Sequence[ContactLoss]) -> ContactLoss:
+    """Return the losses of several wires as one record."""
+    return replace(
+        losses[0],
+        observed=sum(own.observed for own in losses),
+        events=tuple(event for own in losses for event in own.events),
+    )
+
+
 def gather(passages: Passages, scope: Scope) -> list[Trial]:
     """Read the passages of section V; wires of which one is missing are left out.
 
@@ -128,19 +189,32 @@ def gather(passages: Passages, scope: Scope) -> list[Trial]:
     passages
     scope
     """
-    return [
-        _trial(passages, stiffness, kind)
-        for stiffness in scope.irregular
-        for kind in scope.kinds
-        if passages.has(*(irregular(step, stiffness, kind) for step in STEPS))
-    ]
+    found: list[Trial] = []
+    for reading, kind in scope.irregular:
+        names = {seed: {step: irregular(step, reading, kind, seed) for step in STEPS}
+                 for seed in scope.seeds}  # fmt: skip
+        every = [_wire(passages, own) for own in names.values() if passages.has(*own.values())]
+        if every:
+            found += [
+                Trial(reading, kind, corrected, tuple(_stepped(wire, corrected) for wire in every))
+                for corrected in (False, True)
+            ]
+    return found
 
 
-def _trial(passages: Passages, stiffness: int, kind: str) -> Trial:
-    runs = {step: _step_run(passages, irregular(step, stiffness, kind)) for step in STEPS}
-    run = passages.run(irregular(COARSE, stiffness, kind))
+def _wire(passages: Passages, names: Mapping[str, str]) -> Wire:
+    runs = {step: _step_run(passages, name) for step, name in names.items()}
+    run = load_run(passages.paths[names[COARSE]])
     assert run.irregularities is not None
-    return Trial(stiffness, kind, runs, run.equilibrium, run.irregularities)
+    return Wire(runs, run.equilibrium, run.irregularities)
+
+
+def _stepped(wire: Wire, corrected: bool) -> Wire:  # noqa: FBT001
+    """Return the wire with its plain or its corrected steps under the plain names."""
+    runs = {step: own for step, own in wire.runs.items() if not step.endswith(WAVES)}
+    if corrected:
+        runs |= {step: wire.runs[step + WAVES] for step in runs if step + WAVES in wire.runs}
+    return replace(wire, runs=runs)
 
 
 def _step_run(passages: Passages, name: str) -> StepRun:

@@ -18,7 +18,14 @@ from tautwire.analyses.vibration.modes import (
 )
 from tautwire.analyses.vibration.wavelengths import line_lengths
 from tautwire.model.build import build
-from tautwire.reproductions.song2021.claims import Claim, Evidence, least, most
+from tautwire.reproductions.song2021.claims import (
+    ALWAYS,
+    Claim,
+    Condition,
+    Evidence,
+    least,
+    most,
+)
 from tautwire.reproductions.song2021.passages import BASE
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
@@ -130,11 +137,12 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
     factor, _, name = case.title.rpartition(" ")
     wanted = float(factor or 1.0) * line_lengths(case).named(elements=False)[name]
     model = build(case)
-    found = modes_sensitive_to(model, find_shape(model), wanted, width=WIDTH, count=MOST_SENSITIVE)
+    shape = find_shape(model)
+    found = modes_sensitive_to(model, shape, wanted, width=WIDTH, count=MOST_SENSITIVE)
     values: dict[str, Any] = {
         "name": case.title,
         "wanted": wanted,
-        "near": free_wire_frequency(case, wanted),
+        "near": free_wire_frequency(model, shape, wanted),
         "searched": found.counted,
         "sensitive": len(found.frequencies),
     }
@@ -209,8 +217,8 @@ def _mode(name: str, every: Mapping[str, Found]) -> Claim:
         share, wavelength = (numbers.get(k, float("nan")) for k in ("participation", "wavelength"))
         off = abs(100.0 * (wavelength / found.wanted - 1.0))
         evidence = [
-            most("", "deviation of its wavelength", off, WAVELENGTH_WITHIN),
-            least("", "vertical contact wire in its energy", share, VERTICAL, "1"),
+            most(ALWAYS, "deviation of its wavelength", off, WAVELENGTH_WITHIN),
+            least(ALWAYS, "vertical contact wire in its energy", share, VERTICAL, "1"),
         ]
         remark = f"{_found_text(name, found)} {_control_text(every, name)}"
     text = f"There are modes whose sensitive wavelength is {name}."
@@ -258,14 +266,14 @@ def _special(every: Mapping[str, Found]) -> Claim:
         if name not in every or not others:
             continue
         own = every[name]
-        best = max(other.score for other in others)
+        best, where = max(other.score for other in others), Condition(name)
         evidence += [
-            Evidence(name, "participation times concentration of the best mode", own.score, "1",
+            Evidence(where, "participation times concentration of the best mode", own.score, "1",
                      low=best),
-            Evidence(name, "lowest of the controls", min(o.score for o in others), "1"),
-            Evidence(name, "share of the modes searched that are sensitive to it",
+            Evidence(where, "lowest of the controls", min(o.score for o in others), "1"),
+            Evidence(where, "share of the modes searched that are sensitive to it",
                      100.0 * own.sensitive / max(own.searched, 1), "%"),
-            Evidence(name, "the same, mean of the controls",
+            Evidence(where, "the same, mean of the controls",
                      100.0 * float(np.mean([o.sensitive / max(o.searched, 1) for o in others])),
                      "%"),
         ]  # fmt: skip

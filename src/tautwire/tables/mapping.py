@@ -1,0 +1,215 @@
+"""Which column means what: proposed from the headings, kept in a small file, used again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping as MappingType
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from tautwire.errors import InputError
+from tautwire.tables.sheets import Sheet
+from tautwire.tables.values import unit_fits
+from tautwire.tables.vocabulary import KINDS, Field, folded, split_heading, vocabulary
+
+ASIDE = "aside"
+Side = Literal["left", "right"]
+_NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
+    "droppers": (("position",),),
+    "wires": (("wire",), ("use", "tension", "mass")),
+}
+"""What a table must have to be of a kind: one field of each group."""
+HEADING_ROWS = 12
+"""Rows from the top among which the headings are looked for: titles and stamps stand above them."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """What one column is read as."""
+
+    column: int
+    heading: str
+    field: Field
+    unit: str
+
+
+@dataclass(frozen=True)
+class SheetMapping:
+    """How one sheet is read.
+
+    Attributes
+    ----------
+    sheet : Sheet
+    kind : str
+        ``supports``, ``droppers`` or ``wires``.
+    heading_row, first_row : int
+        Index of the row of headings and of the first row of values.
+    uses : tuple of Use
+    aside : tuple of str
+        Headings of columns that are not read.
+    positive : str
+        Side of rising chainage on which staggers are positive.
+    """
+
+    sheet: Sheet
+    kind: str
+    heading_row: int
+    first_row: int
+    uses: tuple[Use, ...]
+    aside: tuple[str, ...]
+    positive: Side = "left"
+
+    def use(self, name: str) -> Use | None:
+        """Return the column of a field, or None."""
+        return next((use for use in self.uses if use.field.name == name), None)
+
+
+def propose(sheet: Sheet) -> SheetMapping | None:
+    """Match the headings of a sheet by meaning; None when it is no table of a line.
+
+    Raises
+    ------
+    InputError
+        When two columns could be the same field: it is never guessed.
+    """
+    best: SheetMapping | None = None
+    for row in range(min(HEADING_ROWS, len(sheet.rows) - 1)):
+        for kind in KINDS:
+            found = _matched(sheet, row, kind)
+            if found is not None and (best is None or len(found.uses) > len(best.uses)):
+                best = found
+    if best is not None:
+        _refuse_double(best)
+    return best
+
+
+def mapping_text(mappings: Sequence[SheetMapping], source: Path) -> str:
+    """Return mappings as the text of a mapping file."""
+    lines = [
+        f"# How the columns of {source.name} are read. Change it and run again; '{ASIDE}' leaves a",
+        "# column unread. Staggers are positive on the side named, seen along rising chainage.",
+        "sheets:",
+    ]
+    for one in mappings:
+        lines += [f"  {_quoted(one.sheet.name)}:", f"    table: {one.kind}",
+                  f"    heading_row: {one.sheet.numbers[one.heading_row]}"]  # fmt: skip
+        if one.use("contact_stagger") is not None:
+            lines.append(f"    stagger_positive: {one.positive}")
+        lines.append("    columns:")
+        for use in one.uses:
+            unit = f", unit: {_quoted(use.unit)}" if use.unit else ""
+            lines.append(f"      {_quoted(use.heading)}: {{field: {use.field.name}{unit}}}")
+        lines += [f"      {_quoted(heading)}: {ASIDE}" for heading in one.aside]
+    return "\n".join(lines) + "\n"
+
+
+def apply_mapping(sheets: Sequence[Sheet], data: Any, label: str) -> list[SheetMapping]:
+    """Read sheets as a mapping file says.
+
+    Raises
+    ------
+    InputError
+        Naming every entry of the file that leads to nothing.
+    """
+    entries = data.get("sheets") if isinstance(data, MappingType) else None
+    if not isinstance(entries, MappingType):
+        raise InputError(f"{label}: expected {{sheets: {{NAME: {{table: ..., columns: ...}}}}}}")
+    by_name = {sheet.name: sheet for sheet in sheets}
+    problems, mappings = [], []
+    for name, entry in entries.items():
+        if name not in by_name:
+            problems.append(f"{label}: there is no sheet {name!r}; there are: {', '.join(by_name)}")
+            continue
+        try:
+            mappings.append(_as_said(by_name[name], entry, f"{label}: {name}"))
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return mappings
+
+
+def _matched(sheet: Sheet, row: int, kind: str) -> SheetMapping | None:
+    uses, aside = [], []
+    fields = [field for field in vocabulary() if field.kind == kind]
+    units = _units_below(sheet, row)
+    for column, cell in enumerate(sheet.rows[row]):
+        if not isinstance(cell, str):
+            continue
+        words, unit = split_heading(cell)
+        unit = unit or units.get(column, "")
+        field = next(
+            (f for f in fields if folded(words) in f.headings and unit_fits(unit, f.unit)), None
+        )
+        if field is None:
+            aside.append(cell)
+        else:
+            uses.append(Use(column, cell, field, unit))
+    names = {use.field.name for use in uses}
+    if not all(any(name in names for name in group) for group in _NEEDS[kind]):
+        return None
+    first = row + (2 if units else 1)
+    return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside))
+
+
+def _units_below(sheet: Sheet, row: int) -> dict[int, str]:
+    """Return the units of a row of units below the headings; nothing where there is none."""
+    cells = sheet.rows[row + 1] if row + 1 < len(sheet.rows) else []
+    texts = {i: c.strip("[]() ") for i, c in enumerate(cells) if isinstance(c, str)}
+    known = {"m", "mm", "cm", "km", "km+m", "n", "kn", "dan", "kgf", "kg/m", "-", "‰", "%"}
+    if not texts or len(texts) < len([c for c in cells if c is not None]):
+        return {}
+    if not all(text.lower() in known for text in texts.values()):
+        return {}
+    return {i: text for i, text in texts.items() if text != "-"}
+
+
+def _refuse_double(mapping: SheetMapping) -> None:
+    seen: dict[str, str] = {}
+    for use in mapping.uses:
+        other = seen.setdefault(use.field.name, use.heading)
+        if other != use.heading or seen[use.field.name] != use.heading:
+            raise InputError(
+                f"{mapping.sheet.label}: the columns {other!r} and {use.heading!r} could both be "
+                f"{use.field.name}; rename one, or write a mapping file"
+            )
+
+
+def _as_said(sheet: Sheet, entry: Any, label: str) -> SheetMapping:
+    kind = entry.get("table") if isinstance(entry, MappingType) else None
+    if kind not in KINDS:
+        raise InputError(f"{label}: table: got {kind!r}; choose {', '.join(KINDS)}")
+    row_number, side = entry.get("heading_row", 1), entry.get("stagger_positive", "left")
+    if row_number not in sheet.numbers or side not in ("left", "right"):
+        raise InputError(
+            f"{label}: heading_row {row_number!r} or stagger_positive {side!r} is not possible"
+        )
+    row = sheet.numbers.index(row_number)
+    columns = {str(cell): i for i, cell in enumerate(sheet.rows[row]) if cell is not None}
+    fields = {field.name: field for field in vocabulary() if field.kind == kind}
+    uses, aside, problems = [], [], []
+    for heading, said in (entry.get("columns") or {}).items():
+        name = said.get("field") if isinstance(said, MappingType) else said
+        unit = str(said.get("unit", "")) if isinstance(said, MappingType) else ""
+        if heading not in columns:
+            problems.append(f"{label}: there is no column {heading!r}")
+        elif name == ASIDE:
+            aside.append(heading)
+        elif name not in fields or not unit_fits(unit, fields[name].unit):
+            problems.append(
+                f"{label}: {heading!r}: got {said!r}; a field is one of {', '.join(fields)} or "
+                f"{ASIDE}, with a unit of its kind"
+            )
+        else:
+            uses.append(Use(columns[heading], heading, fields[name], unit))
+    if problems:
+        raise InputError(problems)
+    first = row + (2 if _units_below(sheet, row) else 1)
+    return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside), side)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)

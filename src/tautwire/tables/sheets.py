@@ -1,0 +1,182 @@
+"""Sheets: CSV files of any dialect and XLSX workbooks as rows of cells."""
+
+from __future__ import annotations
+
+import csv
+import io
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tautwire.errors import InputError
+
+Cell = str | float | None
+SUFFIXES = (".csv", ".txt", ".tsv", ".xlsx", ".xlsm")
+
+MOST_BYTES = 20_000_000
+"""Largest file that is read; also the most that a workbook may unpack to, ten times over."""
+MOST_ROWS, MOST_COLUMNS = 20_000, 200
+"""Rows and columns of a workbook that are read: a lone cell in a far corner costs nothing."""
+_ENCODINGS = ("utf-8-sig", "cp1252")
+"""Tried in this order; every byte is a letter of the second."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table as it stands.
+
+    Attributes
+    ----------
+    label : str
+        File, and sheet where it has several, in messages.
+    name : str
+        Name of the sheet; of a CSV file, its stem.
+    rows : list of list
+        Cells: texts, numbers, None for empty ones.
+    numbers : list of int
+        Row of the file in which each stands, from 1.
+    decimal_comma : bool
+        Whether "1,5" is one and a half.
+    letters : bool
+        Whether columns are named by letters, as in a workbook.
+    """
+
+    label: str
+    name: str
+    rows: list[list[Cell]]
+    numbers: list[int] = field(default_factory=list)
+    decimal_comma: bool = False
+    letters: bool = False
+
+    def place(self, row: int, column: int) -> str:
+        """Name a cell as its program does."""
+        if self.letters:
+            return f"{self.label}, cell {_letters(column)}{self.numbers[row]}"
+        return f"{self.label}, line {self.numbers[row]}, column {column + 1}"
+
+
+def read_sheets(path: Path) -> list[Sheet]:
+    """Read every sheet of a file that holds anything.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as a table.
+    """
+    try:
+        size = path.stat().st_size
+        content = path.read_bytes() if path.is_file() and size <= MOST_BYTES else b""
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    if not content:
+        limit = f"more than {MOST_BYTES / 1e6:g} MB" if size > MOST_BYTES else "empty or no file"
+        raise InputError(f"{path}: is {limit}; give a table of a line")
+    is_workbook = path.suffix.lower() in (".xlsx", ".xlsm")
+    sheets = _workbook(path, content) if is_workbook else [_text_sheet(path, content)]
+    filled = [sheet for sheet in sheets if len(sheet.rows) > 1]
+    if not filled:
+        raise InputError(f"{path}: holds no table; a table has a row of headings and rows below")
+    return filled
+
+
+def _text_sheet(path: Path, content: bytes) -> Sheet:
+    text = _decoded(path, content)
+    lines = [line for line in text.splitlines()[:200] if line.strip() and line[0] != "#"]
+    separator = max(";\t|,", key=lambda s: min((line.count(s) for line in lines[:5]), default=0))
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
+    except csv.Error as error:
+        raise InputError(f"{path}: is not a table ({error})") from None
+    comma = separator != "," and "." not in "".join(
+        c for row in rows[1:50] for c in row if _looks(c)
+    )
+    kept, numbers = _filled([[cell.strip() or None for cell in row] for row in rows])
+    return Sheet(str(path), path.stem, kept, numbers, comma)
+
+
+def _looks(cell: str) -> bool:
+    """Tell whether a cell is a number written with a point or a comma."""
+    return cell.strip().lstrip("+-").replace(".", "", 1).replace(",", "", 1).isdigit()
+
+
+def _decoded(path: Path, content: bytes) -> str:
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return content.decode("utf-16", errors="replace")
+    for encoding in _ENCODINGS:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise InputError(f"{path}: is a binary file; give a CSV file or an .xlsx workbook")
+
+
+def _workbook(path: Path, content: bytes) -> list[Sheet]:
+    try:
+        import openpyxl
+    except ModuleNotFoundError:
+        raise InputError(
+            f"{path}: workbooks need openpyxl; install it ('pip install openpyxl'), or save the "
+            "sheets as CSV"
+        ) from None
+    _refuse_bomb(path, content)
+    try:
+        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True)
+        sheets = []
+        for sheet in book.worksheets:
+            cells = sheet.iter_rows(
+                max_row=MOST_ROWS, max_col=MOST_COLUMNS, values_only=True
+            )  # fmt: skip
+            rows, numbers = _filled([[_cell(value) for value in row] for row in cells])
+            label = f"{path}, sheet {sheet.title!r}"
+            sheets.append(Sheet(label, sheet.title, rows, numbers, letters=True))
+    except (ValueError, KeyError, OSError, zipfile.BadZipFile, SyntaxError) as error:
+        raise InputError(f"{path}: is not a workbook that can be read ({error})") from None
+    return sheets
+
+
+def _refuse_bomb(path: Path, content: bytes) -> None:
+    """Refuse archives that unpack to too much, and XML with definitions of its own."""
+    try:
+        archive = zipfile.ZipFile(io.BytesIO(content))
+        size = sum(entry.file_size for entry in archive.infolist())
+    except zipfile.BadZipFile:
+        raise InputError(f"{path}: is not a workbook; save it as .xlsx") from None
+    if size > 10 * MOST_BYTES:
+        raise InputError(f"{path}: unpacks to {size / 1e6:.0f} MB; thin it out")
+    for entry in archive.infolist():
+        if entry.filename.endswith(".xml") and b"<!DOCTYPE" in archive.open(entry).read(2000):
+            raise InputError(f"{path}: holds a DOCTYPE, which no workbook needs; save it again")
+
+
+def _cell(value: Any) -> Cell:
+    if value is None or (isinstance(value, str) and not value.strip()):
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        return str(value)
+    return value.strip() if isinstance(value, str) else value
+
+
+def _filled(rows: Iterable[list[Cell]]) -> tuple[list[list[Cell]], list[int]]:
+    """Return the rows that hold anything and are no comments, with their numbers."""
+    kept, numbers = [], []
+    for number, row in enumerate(rows, 1):
+        first = next((cell for cell in row if cell is not None), None)
+        if first is not None and not str(first).startswith("#"):
+            kept.append(row)
+            numbers.append(number)
+        elif first is not None and str(first).startswith("#") and str(first)[1:2].isupper():
+            kept.append(row)  # a formula error such as #DIV/0! in the first column
+            numbers.append(number)
+    return kept, numbers
+
+
+def _letters(column: int) -> str:
+    text, rest = "", column + 1
+    while rest:
+        rest, digit = divmod(rest - 1, 26)
+        text = chr(65 + digit) + text
+    return text

@@ -1,0 +1,105 @@
+"""Cells as numbers: decimal commas, units in the cell or in the heading, km+m, formula errors."""
+
+from __future__ import annotations
+
+import re
+
+from tautwire.tables.sheets import Cell
+from tautwire.tables.vocabulary import COUNT, TEXT
+from tautwire.units import UnitError, expectation, parse_quantity
+
+ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
+NOTHING = ("", "-", "–", "—", "nan", "n/a", "k.a.", "k. a.", "s.o.", "n.d.", "无效")
+_KM_M = re.compile(r"([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)")
+_RATIO = {"‰": 1e-3, "per mille": 1e-3, "mm/m": 1e-3, "%": 1e-2}
+_SPOKEN = {"kg": "kgf", "kp": "kgf"}
+"""Units of force as tables write them."""
+
+
+class CellError(ValueError):
+    """A cell does not hold what its column should."""
+
+
+def ratio_of(unit: str) -> float | None:
+    """Return what a unit of a share is worth; None for other units."""
+    return _RATIO.get(unit.strip().lower())
+
+
+def unit_fits(unit: str, wanted: str) -> bool:
+    """Tell whether a heading's unit can be that of a field."""
+    if wanted in (TEXT, COUNT):
+        return not unit
+    if not unit or unit.lower() == "km+m" or ratio_of(unit) is not None:
+        return not unit or wanted == "m"
+    try:
+        parse_quantity(f"1 {spoken(unit, wanted)}", wanted)
+    except UnitError:
+        return False
+    return True
+
+
+def spoken(unit: str, wanted: str) -> str:
+    """Return a unit as the program reads it; ``kg`` of a tension is a force."""
+    return _SPOKEN.get(unit, unit) if wanted == "N" else unit
+
+
+def text_of(cell: Cell) -> str | None:
+    """Return a cell as a name; a whole number without its point."""
+    if cell is None:
+        return None
+    _refuse_error(cell)
+    return f"{cell:.15g}" if isinstance(cell, float) else str(cell)
+
+
+def number_of(cell: Cell, unit: str, wanted: str, *, decimal_comma: bool) -> float | None:
+    """Return a cell in SI.
+
+    Parameters
+    ----------
+    cell
+        A number, or a text such as ``"1,25"``, ``"12+300"``, ``"5,3 m"``.
+    unit
+        Unit of the column; empty for SI.
+    wanted
+        SI unit of the field, or :data:`COUNT`.
+    decimal_comma
+        Whether the file writes numbers with a comma; in a cell with one comma and no point it is
+        one anyway.
+
+    Raises
+    ------
+    CellError
+        Saying what was got and what was expected.
+    """
+    if cell is None or (isinstance(cell, str) and cell.lower() in NOTHING):
+        return None
+    _refuse_error(cell)
+    text = f"{cell:.15g}" if isinstance(cell, (int, float)) else cell
+    if isinstance(cell, str):
+        text = _with_point(text, decimal_comma=decimal_comma)
+    if wanted == COUNT:
+        if not re.fullmatch(r"[0-9]{1,6}(\.0*)?", text) or float(text) < 1:
+            raise CellError(f"got {cell!r}; expected a number 1, 2, 3 ...")
+        return float(text)
+    if wanted == "m" and (match := _KM_M.fullmatch(text)):
+        return 1e3 * float(match.group(1)) + float(match.group(2))
+    has_unit = bool(re.search(r"[^0-9.eE+\s-]", text))
+    own = "" if has_unit or unit.lower() == "km+m" else f" {spoken(unit or wanted, wanted)}"
+    try:
+        return parse_quantity(text + own, wanted)
+    except UnitError:
+        raise CellError(f"got {cell!r}; expected {expectation(wanted)}") from None
+
+
+def _refuse_error(cell: Cell) -> None:
+    if isinstance(cell, str) and cell.upper() in ERRORS:
+        raise CellError(f"holds the formula error {cell}; mend the formula")
+
+
+def _with_point(text: str, *, decimal_comma: bool) -> str:
+    text = text.replace("\u00a0", " ").replace("\u2212", "-")
+    if text.count(",") == 1 and "." not in text:
+        return text.replace(",", ".")
+    if decimal_comma and "," in text:
+        return text.replace(".", "").replace(",", ".")
+    return text

@@ -1,0 +1,248 @@
+"""Workbooks and tables of lines: headings by meaning, values as people write them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+
+from tautwire.analyses.road.shape import find_shape
+from tautwire.cli.app import run_command_line
+from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+from tautwire.model.build import build
+from tautwire.report.parts.tables import write_dropper_table
+from tautwire.tables.mapping import propose
+from tautwire.tables.sheets import read_sheets
+from tautwire.tables.values import CellError, number_of
+from tautwire.tables.vocabulary import role_of
+
+SPANS = (60.0, 58.0, 55.0, 61.0, 50.0, 60.0, 60.0, 52.0)
+SUPPORTS: list[list[Any]] = [
+    ["Valley line, sheet 4"],
+    [],
+    ["Mast no.", "Chainage [km+m]", "Stagger [mm]", "CW height [m]", "System height [m]", "Remark"],
+    *(
+        [f"4/{8 + i}", f"12+{300 + sum(SPANS[:i]):07.3f}", 200 * (-1) ** i, "5,30", 1.4, None]
+        for i in range(len(SPANS) + 1)
+    ),
+]
+WIRES: list[list[Any]] = [
+    ["Wire", "Type", "Tension [kN]"],
+    ["Contact wire", "Ri 100", 10],
+    ["Catenary wire", "BzII-50", "10,0"],
+]
+
+
+def workbook(path: Path, **sheets: list[list[Any]]) -> Path:
+    book = openpyxl.Workbook()
+    assert book.active is not None
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+def table(path: Path, text: str, encoding: str = "utf-8") -> Path:
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def test_workbook_becomes_a_case(tmp_path: Path) -> None:
+    """Spans, staggers, heights, wires by name, mast names and chainage come from the sheets."""
+    case = load_case(workbook(tmp_path / "valley.xlsx", Masts=SUPPORTS, Wires=WIRES))
+    assert case.line.span_lengths() == SPANS
+    assert case.line.masts is not None
+    assert case.line.masts[4] == "4/12"
+    assert case.line.place_of_support(4) == "mast 4/12, km 12.534"
+    assert case.supports.contact_staggers(9)[:3] == (0.2, -0.2, 0.2)
+    assert case.supports.contact_heights(9)[0] == pytest.approx(5.3)
+    assert (case.wires.contact.tension, case.wires.contact.mass) == (10e3, 0.89)
+    assert case.wires.messenger.mass == 0.446
+    sources = {source.path: source for source in case.sources}
+    assert sources["line.span_length"].source == "Table valley.xlsx"
+    assert sources["supports.closure"].template == "tautwire new"
+
+
+def test_droppers_follow_unequal_spans(tmp_path: Path) -> None:
+    """Without a table of droppers they are placed in every span by rule, and all of them pull."""
+    case = load_case(workbook(tmp_path / "valley.xlsx", Masts=SUPPORTS, Wires=WIRES))
+    rows = case.droppers.positions_by_span(len(SPANS))
+    assert [row[0] for row in rows] == [4.5] * len(SPANS)
+    assert [round(s - row[-1], 6) for s, row in zip(SPANS, rows, strict=True)] == [4.5] * len(SPANS)
+    shape = find_shape(build(case.with_(**{"settings.nodes_between_droppers": 4})))
+    assert shape.dropper_forces.min() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("headings", "encoding", "separator"),
+    [
+        ("Mastnummer;Stationierung [m];Seitenlage [cm];Systemhöhe [m]", "cp1252", ";"),
+        ("N° support;PK [km];Désaxement [mm];Encombrement [m]", "utf-8-sig", ";"),
+        ("Poste\tPk [km]\tDescentramiento [cm]\tAltura del sistema [m]", "utf-16", "\t"),
+        ("支柱号,里程 [km],拉出值 [mm],结构高度 [m]", "utf-8", ","),
+        ("Stolpnr;Längdmätning [m];Sicksack [m];Systemhöjd [m]", "cp1252", ";"),
+    ],
+)
+def test_tables_of_many_countries(
+    headings: str, encoding: str, separator: str, tmp_path: Path
+) -> None:
+    """Headings in five languages, three encodings and separators mean the same line."""
+    units = [part.partition("[")[2].rstrip("] ") for part in headings.split(separator)]
+    scale = {"m": 1.0, "km": 1e-3, "cm": 100.0, "mm": 1e3, "": 1.0}
+    lines = [headings]
+    for i in range(5):
+        cells = (20000.0 + 60.0 * i, 0.25 * (-1) ** i, 1.6)
+        texts = [f"{v * scale[u]:.6g}" for v, u in zip(cells, units[1:], strict=True)]
+        joined = separator.join([f"M{i}", *texts])
+        lines.append(joined.replace(".", ",") if separator != "," else joined)
+    path = table(tmp_path / "masts.csv", "\n".join(lines) + "\n", encoding)
+    case = load_case(path)
+    assert case.line.span_lengths() == pytest.approx((60.0,) * 4)
+    assert case.line.chainage == pytest.approx([20000.0 + 60.0 * i for i in range(5)])
+    assert case.supports.contact_staggers(5)[:2] == pytest.approx((0.25, -0.25))
+    assert case.supports.encumbrances(5)[0] == pytest.approx(1.6)
+
+
+def test_falling_chainage_keeps_sides(tmp_path: Path) -> None:
+    """Rows with falling chainage keep their order; staggers keep their side of rising chainage."""
+    text = "Mast,Chainage [m],Stagger [m]\nA,500,0.2\nB,440,-0.2\nC,385,0.1\nD,330,0\n"
+    case = load_case(table(tmp_path / "down.csv", text))
+    assert case.line.span_lengths() == (60.0, 55.0, 55.0)
+    assert case.line.masts == ("A", "B", "C", "D")
+    assert case.supports.contact_staggers(4)[:3] == (-0.2, 0.2, -0.1)
+
+
+def test_lengths_and_masts_in_a_dropper_table(tmp_path: Path) -> None:
+    """Dropper lengths are held; the mast on the left says the span, once for its droppers."""
+    droppers: list[list[Any]] = [["Mast", "Dropper", "Distance from support [m]", "Length [mm]"]]
+    for i, span in enumerate(SPANS):
+        droppers += [
+            [f"4/{8 + i}" if k == 0 else None, k + 1, span * (k + 1) / 4, 900] for k in range(3)
+        ]
+    path = workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Droppers=droppers, Wires=WIRES)
+    case = load_case(path)
+    assert case.droppers.mode == "length"
+    assert case.droppers.lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
+    assert case.droppers.positions_by_span(8)[1] == (14.5, 29.0, 43.5)
+
+
+def test_written_dropper_table_is_read_back(tmp_path: Path) -> None:
+    """The dropper table that the program writes gives the same heights back, to 0.1 mm."""
+    shape = find_shape(build(load_case("ac-simple", ["settings.nodes_between_droppers=4"])))
+    write_dropper_table(shape, tmp_path / "droppers.csv")
+    (tmp_path / "again.yaml").write_text(
+        "schema: 1\ninclude: ac-simple\nsettings: {nodes_between_droppers: 4}\n"
+        "droppers: {mode: length}\ntables: {droppers: droppers.csv}\n",
+        encoding="utf-8",
+    )
+    again = find_shape(build(load_case(tmp_path / "again.yaml")))
+    heights = [one.dropper_heights for one in (shape, again)]
+    assert heights[0] == pytest.approx(heights[1], abs=1e-4)
+
+
+def test_presag_in_per_mille(tmp_path: Path) -> None:
+    """A pre-sag in per mille is that share of its own span: 0.5 of 60 m is 30 mm."""
+    masts = "Mast;Portée [m]\nA;60\nB;50\nC;60\nD;\n"
+    assert load_case(table(tmp_path / "m.csv", masts)).line.span_lengths() == (60.0, 50.0, 60.0)
+    rows: list[list[Any]] = [["Span no", "Position [m]", "Flecha [‰]"]]
+    rows += [[s, x, "0,5"] for s in (1, 2, 3) for x in (10, 25, 40)]
+    spans: list[list[Any]] = [["Mast", "Span [m]"], ["A", 60], ["B", 50], ["C", 60], ["D", None]]
+    case = load_case(workbook(tmp_path / "w.xlsx", Masts=spans, Droppers=rows))
+    presag = [row[0] for row in case.droppers.presag_by_span(3)]
+    assert presag == pytest.approx([0.030, 0.025, 0.030])
+
+
+def test_every_bad_cell_is_named(tmp_path: Path) -> None:
+    """A formula error is named with its cell and never read as empty; other faults with it."""
+    rows = [list(row) for row in SUPPORTS]
+    rows[4][2], rows[5][3], rows[6][1] = "#DIV/0!", "high", None
+    with pytest.raises(InputError) as caught:
+        load_case(workbook(tmp_path / "bad.xlsx", Masts=rows, Wires=WIRES))
+    told = "\n".join(caught.value.problems)
+    assert "sheet 'Masts', cell C5 (Stagger [mm]): holds the formula error #DIV/0!" in told
+    assert "cell D6 (CW height [m]): got 'high'; expected a length" in told
+    assert "cell B7 (Chainage [km+m]): is empty" in told
+
+
+def test_two_columns_of_one_meaning_are_not_guessed(tmp_path: Path) -> None:
+    """Two columns that could be the same are refused by name."""
+    text = "Mast;Chainage [m];Station [m]\nA;0;0\nB;60;60\n"
+    (sheet,) = read_sheets(table(tmp_path / "t.csv", text))
+    with pytest.raises(InputError, match=r"'Chainage \[m\]' and 'Station \[m\]' could both be"):
+        propose(sheet)
+
+
+def test_table_without_supports_is_refused(tmp_path: Path) -> None:
+    """A file with no table of supports says what is needed."""
+    with pytest.raises(InputError, match="one row per mast with its chainage or span"):
+        load_case(workbook(tmp_path / "w.xlsx", Wires=WIRES))
+
+
+def test_mapping_is_kept_and_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command writes the proposed mapping; a changed one decides how the file is read."""
+    path = workbook(tmp_path / "valley.xlsx", Masts=SUPPORTS, Wires=WIRES)
+    assert run_command_line(["check", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "Stagger [mm]" in out
+    assert "kept aside" in out
+    mapping = tmp_path / "valley.mapping.yaml"
+    text = mapping.read_text(encoding="utf-8")
+    assert '"Remark": aside' in text
+    assert load_case(path).supports.contact_staggers(9)[0] == 0.2
+    mapping.write_text(text.replace("positive: left", "positive: right"), encoding="utf-8")
+    assert load_case(path).supports.contact_staggers(9)[0] == -0.2
+    mapping.write_text(text.replace("Stagger [mm]", "Zigzag"), encoding="utf-8")
+    with pytest.raises(InputError, match="there is no column 'Zigzag'"):
+        load_case(path)
+
+
+def test_lone_far_cell_costs_nothing(tmp_path: Path) -> None:
+    """A cell in the last column and row of a sheet is not read and does no harm."""
+    path = workbook(tmp_path / "far.xlsx", Masts=SUPPORTS, Wires=WIRES)
+    book = openpyxl.load_workbook(path)
+    book["Masts"]["XFD1048576"] = 1
+    book.save(path)
+    assert load_case(path).line.spans == len(SPANS)
+
+
+@pytest.mark.parametrize(
+    ("cell", "unit", "wanted", "value"),
+    [
+        ("12+300", "km+m", "m", 12300.0),
+        ("12+3.5", "", "m", 12003.5),
+        ("1.234,5", "", "m", 1234.5),
+        ("5,3 m", "", "m", 5.3),
+        (200, "mm", "m", 0.2),
+        ("1575", "kg", "N", 1575 * 9.80665),
+        ("-", "m", "m", None),
+        (None, "m", "m", None),
+        (3.0, "", "#", 3.0),
+    ],
+)
+def test_values_as_written(cell: Any, unit: str, wanted: str, value: float | None) -> None:
+    """Decimal commas, km+m, units in the cell, kg as a force, dashes for nothing."""
+    found = number_of(cell, unit, wanted, decimal_comma=True)
+    assert found == (None if value is None else pytest.approx(value))
+
+
+def test_values_that_are_none() -> None:
+    """What is no number is refused with what was got and expected."""
+    with pytest.raises(CellError, match="got 'left'; expected a length"):
+        number_of("left", "m", "m", decimal_comma=False)
+    with pytest.raises(CellError, match="#REF!"):
+        number_of("#REF!", "m", "m", decimal_comma=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [("Fil de contact", "contact"), ("CÂBLE PORTEUR", "messenger"), ("承力索", "messenger")],
+)
+def test_wires_by_their_role(name: str, role: str) -> None:
+    """Wires are known by what they are called in a table, whatever case and accents."""
+    assert role_of(name) == role
