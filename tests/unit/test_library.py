@@ -16,11 +16,14 @@ CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
 def test_what_the_library_holds() -> None:
-    """The library holds four cases and two pantographs, each with a summary."""
+    """The library holds seven cases and two pantographs, each with a summary."""
     assert [entry.name for entry in list_entries()] == [
         "ac-simple",
+        "ac-simple-overlap",
         "ac-simple-plane",
         "ac-simple-two-pantographs",
+        "ac-stitched",
+        "dc-twin",
         "en50318-2002",
         "benchmark-2015-pantograph",
         "en50318-2002-pantograph",
