@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.numerics.motion import backend, native_stepper
+from tautwire.numerics.motion import backend, native_line, native_stepper
+from tautwire.numerics.motion.native_line import NodeOrder
 from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.stepper import StepOptions
 from tautwire.numerics.newmark import Newmark
@@ -20,7 +21,14 @@ pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compi
 
 Array = NDArray[Any]
 TWO_SPANS: dict[str, Any] = {"line__spans": 2, "settings__section": (1, 1)}
-MEASURES = ("node_mass", "arm_station", "dropper_station", "spring_dof")
+MEASURES = (
+    "node_mass",
+    "tie_length",
+    "clamp_stiffness",
+    "stay_length",
+    "ground_node",
+    "path_stiffness",
+)
 """Arrays whose length is a count of the line, by which others are measured."""
 OPTIONS = StepOptions(Newmark(), 1e-3, 2e5)
 
@@ -67,7 +75,8 @@ def core() -> Any:
 def line_arrays() -> dict[str, Any]:
     """Return the arrays of a short line as the core takes them."""
     system, _ = entering(ac_simple(**TWO_SPANS | {"line__ends": "weighted"}))
-    return native_stepper._line_arrays(system, None)
+    order = NodeOrder.of(system.cables.nodes, system.node_count)
+    return native_line.line_arrays(system, order, None, 2e5)
 
 
 def is_spoilt(change: str, name: str, array: Any) -> bool:
@@ -146,7 +155,7 @@ def test_numbers_of_a_scheme_are_checked(name: str, value: Any, words: str) -> N
         core().Stepper(line_arrays(), scheme | {name: value})
 
 
-@pytest.mark.parametrize("name", ["dropper_station", "arm_station", "spring_dof"])
+@pytest.mark.parametrize("name", ["tie_nodes", "stay_node", "ground_node"])
 def test_places_outside_the_line_are_refused(name: str) -> None:
     """An index outside the line names itself and its limits."""
     arrays = line_arrays()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -152,6 +153,26 @@ def test_rows_for_json(table: StudyTable) -> None:
     assert row["speed"] == pytest.approx(300 / 3.6)
     assert row["status"] == "done"
     assert row["front.butterworth.mean [N]"] == 168.0
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
+def test_table_on_a_full_disk_is_one_message(table: StudyTable, tmp_path: Path) -> None:
+    """Where the file has no room writing ends with a message and nothing half-written; the process
+    and the HDF5 library go on."""
+    import resource
+    import signal
+
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (3000, limits[1]))
+    try:
+        with pytest.raises(InputError, match="cannot be written"):
+            save_netcdf(table, tmp_path / "table.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert not list(tmp_path.iterdir())
+    assert save_netcdf(table, tmp_path / "table.nc").stat().st_size > 3000
 
 
 def test_netcdf_opens_in_xarray(table: StudyTable, tmp_path: Path) -> None:

@@ -122,20 +122,6 @@ def test_fast_path_against_full_newton() -> None:
     assert np.abs(error).max() <= 0.5
 
 
-def test_other_lines_are_integrated_by_the_reference() -> None:
-    """A line that is not two wires side by side moves all the same, and the counters say how."""
-    system = straight_wire(20.0, 40)
-    force = np.where(np.arange(system.dof_count) == 6 * 20 + 2, 50.0, 0.0)
-    options = StepOptions(Newmark(), 1e-3, 2e5)
-    stepper = backend.make_stepper(
-        system.with_(load=system.load + force), (), options, np.array([122])
-    )
-    block = stepper.advance(20)
-    assert block.status is Status.RUNNING
-    assert "not two wires" in stepper.counters.notes["general_solver"]
-    assert block.observed[-1, 0] > 1e-4
-
-
 def test_state_that_is_not_finite_is_an_error() -> None:
     """A state that blows up ends with a status, never with a force of zero."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))
@@ -210,10 +196,19 @@ def test_misspelt_kernels_end_the_program(tmp_path: Path) -> None:
 
 
 def test_native_is_refused_where_it_cannot_compute() -> None:
-    """The compiled core asked for by name on a line it cannot compute is an error."""
+    """The compiled core asked for by name on wires that branch is an error, 'auto' says its way."""
     system = straight_wire(20.0, 40)
-    with pytest.raises(InputError, match="'native' computes lines of two wires"):
-        backend.make_stepper(system, (), StepOptions(Newmark(), 1e-3, 2e5), np.array([2]), "native")
+    branch = system.cables.with_(
+        nodes=np.where(system.cables.nodes == [[39, 40]], [[38, 40]], system.cables.nodes)
+    )
+    system = system.with_(cables=branch)
+    options = StepOptions(Newmark(), 1e-3, 2e5)
+    with pytest.raises(
+        InputError, match="'native' cannot compute this line, because a node has two"
+    ):
+        backend.make_stepper(system, (), options, np.array([2]), "native")
+    stepper = backend.make_stepper(system, (), options, np.array([2]))
+    assert "two wire elements" in stepper.counters.notes["general_solver"]
 
 
 FINE: dict[str, Any] = TWO_SPANS | {"settings__nodes_between_droppers": 9}

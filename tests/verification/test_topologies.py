@@ -1,374 +1,96 @@
-"""Lines of any topology: equalities and balances that need no reference."""
+"""The compiled core on lines of any topology against the general banded NumPy stepper."""
 
 from __future__ import annotations
 
-from copy import deepcopy
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from pydantic import ValidationError
 
-from tautwire.analyses.road.dynamics import Choices, Simulation, simulate
-from tautwire.analyses.road.elasticity import elasticity
-from tautwire.analyses.road.shape import find_shape
-from tautwire.errors import ModelError
-from tautwire.line.expand import expand
-from tautwire.model.build import build
-from tautwire.model.equations import equations
-from tautwire.numerics.elements import ancf
-from tautwire.numerics.motion.backend import NativeCoreMissingError, native_available
-from tautwire.numerics.network.banded import Pattern
-from tautwire.numerics.network.system import internal_force
-from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.run import Run
-from tautwire.specs.case import Case
+from tautwire.numerics.motion import backend
+from tautwire.numerics.motion.native_line import NodeOrder, NotAChainError
+from tautwire.numerics.motion.stepper import StepOptions
+from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.status import Status
 
-from ..lines import AC_SIMPLE
+from ..topologies import TOPOLOGIES, under_way
 
-Array = NDArray[np.float64]
+pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+
+STEPS = 150
 
 
-def simple(**line: Any) -> dict[str, Any]:
-    """Return AC simple as plain data, at 250 km/h, on a coarse mesh."""
-    data = deepcopy(AC_SIMPLE)
-    data["line"] |= line
-    data["scenario"] = {"speed": 250 / 3.6, "uplift_force": 130.0}
-    data["settings"] |= {"nodes_between_droppers": 4, "backend": "reference"}
-    return data
+def run(name: str, choice: Any, steps: int = STEPS, **options: Any) -> tuple[Any, Any]:
+    """Return histories and stepper of a pantograph under a line."""
+    system = TOPOLOGIES[name]().system()
+    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 5e4} | options
+    observed = np.arange(1, system.dof_count, 41)
+    stepper = backend.make_stepper(system, (under_way(),), StepOptions(**chosen), observed, choice)
+    return stepper.advance(steps), stepper
 
 
-def halved(wire: dict[str, Any]) -> dict[str, Any]:
-    """Return a wire of half the tension, mass and stiffness."""
-    return {name: 0.5 * value for name, value in wire.items()}
+@pytest.mark.parametrize("name", TOPOLOGIES)
+def test_same_as_the_reference(name: str) -> None:
+    """Both backends give the same forces and coordinates when both are solved to 1e-12 m."""
+    (native, _), (reference, _) = (
+        run(name, choice, tolerance=1e-12) for choice in ("native", "reference")
+    )
+    assert native.status is reference.status is Status.RUNNING
+    assert np.abs(reference.contact_force).max() > 50.0
+    np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=2e-5)
+    np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(native.dropper_force, reference.dropper_force, rtol=0.0, atol=2e-3)
 
 
-def twin() -> dict[str, Any]:
-    """Return AC simple with its contact wire split in two halves without lateral distance."""
-    data = simple()
-    half = halved(data["wires"]["contact"])
-    data["wires"] |= {"contact": half, "contact-2": {**half, "role": "contact"}}
-    drop = data["droppers"]
-    drop |= {"stiffness": 1e5, "mass": 0.5 * drop["mass"]}
-    drop |= {name: 0.5 * drop[name] for name in ("clamp_contact", "clamp_messenger")}
-    data["droppers"] = [{**drop, "to": "contact"}, {**drop, "to": "contact-2"}]
-    data["supports"]["arm"] = {"mass": 0.5 * 0.73, "axial_stiffness": 0.5 * 17e6}
-    data["settings"]["contact_stiffness"] = 1e5
-    return data
+@pytest.mark.parametrize("options", [{"integrator": HHT(-0.1)}, {"time_step": 2.5e-4}], ids=str)
+def test_other_steps_on_a_stitched_line(options: dict[str, Any]) -> None:
+    """HHT and small steps agree on a line with clamps, too."""
+    (native, _), (reference, _) = (
+        run("stitched", choice, tolerance=1e-12, **options) for choice in ("native", "reference")
+    )
+    np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=2e-5)
 
 
-def stitched(**stitch: Any) -> dict[str, Any]:
-    """Return a stitched line of spans of 65 m."""
-    data = simple(span_length=65.0)
-    data["wires"]["contact"]["tension"], data["wires"]["messenger"]["tension"] = 27e3, 21e3
-    wire = {"tension": 3.5e3, "mass": 0.31, "axial_stiffness": 3.9e6, "bending_stiffness": 20.0}
-    place = {"role": "stitch", "from": -9.0, "to": 9.0, "clamped_to": "messenger"}
-    data["wires"]["stitch"] = wire | place | stitch
-    data["supports"]["encumbrance"] = 1.8
-    drop = data["droppers"]
-    between = {"positions": [11.5, 20.0, 28.5, 36.5, 45.0, 53.5], "presag": [0.0] * 6}
-    about = {"from": "stitch", "about": "mast", "positions": [-5.0, 5.0], "presag": [0.0, 0.0]}
-    data["droppers"] = [{**drop, **between}, {**drop, **about}]
-    return data
+@pytest.mark.parametrize("name", ["stitched", "twin", "single"])
+def test_full_newton(name: str) -> None:
+    """The exact matrix leads to the same motion as the approximate one."""
+    fast, _ = run(name, "native", steps=60, tolerance=1e-11)
+    full, stepper = run(name, "native", steps=60, tolerance=1e-11, full_newton=True)
+    assert stepper.counters.full_newton_steps == 60
+    np.testing.assert_allclose(fast.contact_force, full.contact_force, rtol=0.0, atol=1e-4)
 
 
-def compound() -> dict[str, Any]:
-    """Return a line with an auxiliary messenger wire."""
-    data = simple()
-    wire = {"tension": 12e3, "mass": 0.9, "axial_stiffness": 10e6, "bending_stiffness": 80.0}
-    data["wires"]["auxiliary"] = {**wire, "below": 1.1}
-    data["supports"]["encumbrance"] = 1.9
-    drop = data["droppers"]
-    upper = {"to": "auxiliary", "positions": [5.0, 16.0, 27.5, 39.0, 50.0], "presag": None}
-    lower = {"from": "auxiliary", "positions": [2.5, 12.0, 22.0, 33.0, 43.0, 52.5]}
-    lower["presag"] = [0.0, 0.02, 0.04, 0.04, 0.02, 0.0]
-    data["droppers"] = [{**drop, **upper}, {**drop, **lower}]
-    return data
+@pytest.mark.parametrize("path", [True, False])
+def test_without_pantograph(path: bool) -> None:
+    """Wires swing alike in both backends when nothing runs under them, with or without a path."""
+    system = TOPOLOGIES["stitched"]().system()
+    system = system if path else system.with_(paths=system.paths[:0])
+    options = StepOptions(Newmark(), 1e-3, 5e4, tolerance=1e-12)
+    middle = 6 * (system.node_count // 2) + np.arange(3)
+    native = backend.make_stepper(system, (), options, middle, "native").advance(50)
+    assert native.contact_force.shape == native.gap.shape == (50, 0)
+    if path:
+        reference = backend.make_stepper(system, (), options, middle, "reference").advance(50)
+        np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-9)
+    assert np.ptp(native.observed[:, 2]) > 1e-4
 
 
-def overlapping() -> dict[str, Any]:
-    """Return two tension lengths that share three spans."""
-    data = simple(spans=9)
-    data["tension_lengths"] = [
-        {"name": "T1", "masts": [1, 6], "ends": {"left": "anchored", "right": "weighted"}},
-        {"name": "T2", "masts": [3, 10], "ends": "weighted", "fixed_point": 8},
-    ]
-    data["overlaps"] = [{"kind": "three-span", "rise": 0.3}]
-    data["settings"]["section"] = [3, 6]
-    return data
+def test_wires_that_branch_are_refused() -> None:
+    """A node with two elements to its right, and a ring, cannot be laid end to end."""
+    with pytest.raises(NotAChainError, match="two wire elements to one side"):
+        NodeOrder.of(np.array([[0, 1], [0, 2]]), 3)
+    with pytest.raises(NotAChainError, match="ring"):
+        NodeOrder.of(np.array([[0, 1], [1, 0]]), 2)
 
 
-LINES = {"twin": twin, "stitched": stitched, "compound": compound, "overlap": overlapping}
-
-
-def shape_of(data: dict[str, Any]) -> Equilibrium:
-    return find_shape(build(Case.model_validate(data)))
-
-
-def passed(data: dict[str, Any], duration: float) -> Run:
-    """Return the beginning of a passage."""
-    model = build(Case.model_validate(data))
-    return simulate(model, find_shape(model), watch=lambda progress: progress.time >= duration)
-
-
-def difference(a: Run, b: Run) -> float:
-    """Return the rms of the difference of two contact forces [N]."""
-    forces = [run.pantographs[0].contact_force for run in (a, b)]
-    return float(np.sqrt(np.mean((forces[0] - forces[1]) ** 2)))
-
-
-@pytest.mark.parametrize("name", LINES)
-def test_shapes_are_in_balance(name: str) -> None:
-    """Every topology is found in at most 12 Newton iterations; the supports carry its weight to
-    0.01 %, and the equations of motion built from it are in balance to 1e-4 N."""
-    model = build(Case.model_validate(LINES[name]()))
-    shape = find_shape(model)
-    assert shape.iterations <= 12
-    assert shape.reaction == pytest.approx(shape.weight, rel=1e-4)
-    system = equations(model, shape)
-    residual = internal_force(system, shape.position).nodal - system.load
-    assert np.abs(residual[~system.fixed]).max() <= 1e-4
-
-
-@pytest.mark.parametrize("name", LINES)
-def test_lengths_reproduce_heights(name: str) -> None:
-    """The lengths that belong to given heights give these heights back, to 0.001 mm."""
-    data = LINES[name]()
-    model = build(Case.model_validate(data))
-    shape = find_shape(model)
-    sets = data["droppers"] if isinstance(data["droppers"], list) else [data["droppers"]]
-    if name == "overlap":
-        pytest.skip("raised contact wires hang on hangers of their own, not on a set")
-    masts = np.array(model.line.masts)
-    given = []
-    for one in sets:
-        upper, lower = one.get("from", "messenger"), one.get("to", "contact")
-        rows: dict[int, list[tuple[float, float]]] = {}
-        for hanger, length in zip(
-            model.line.hangers, shape.dropper_lengths_unstrained, strict=True
-        ):
-            if not hanger.upper.run.startswith(upper) or hanger.lower.run != lower:
-                continue
-            s = hanger.lower.s
-            about = one.get("about") == "mast"
-            row = int(np.abs(masts - s).argmin()) - 1 if about else hanger.label.span - 1
-            start = masts[row + 1] if about else masts[row]
-            rows.setdefault(row, []).append((s - start, float(length)))
-        table = [sorted(rows[row]) for row in sorted(rows)]
-        given.append(
-            {
-                **one,
-                "mode": "length",
-                "presag": None,
-                "positions": [[s for s, _ in row] for row in table],
-                "lengths": [[length for _, length in row] for row in table],
-            }
-        )
-    again = shape_of({**data, "droppers": given})
-    assert again.dropper_heights == pytest.approx(shape.dropper_heights, abs=1e-6)
-    assert again.position == pytest.approx(shape.position, abs=2e-6)
-
-
-def test_joints_carry_the_stitch_tension() -> None:
-    """At the clamps of a stitch wire its tension acts on the messenger wire, and between them the
-    messenger wire's horizontal force is lower by it, to 1 % (read from the unstrained lengths)."""
-    data = stitched()
-    model = build(Case.model_validate(data))
-    shape = find_shape(model)
-    along = shape.joint_pulls[:, 0]
-    assert along[0::2] == pytest.approx(3.5e3, rel=2e-3)
-    assert along[1::2] == pytest.approx(-3.5e3, rel=1e-12)
-    system = equations(model, shape)
-    e = system.cables.coordinates(shape.position)
-    force = ancf.force(e, system.cables.section)[2, 0]
-    strand = model.mesh.strand("messenger")
-    middle = 0.5 * (strand.s[1:] + strand.s[:-1])
-    horizontal = force[strand.cables]
-    inside, outside = np.abs(middle - 65.0) < 8.0, np.abs(middle - 97.5) < 20.0
-    assert np.ptp(horizontal[inside]) <= 1e-3
-    assert horizontal[outside].mean() - horizontal[inside].mean() == pytest.approx(3.5e3, rel=0.01)
-
-
-def test_nodes_are_numbered_along_the_track() -> None:
-    """Numbering nodes by chainage keeps the band of a stitched line narrow (41 unknowns at most),
-    whatever the number of spans; wire by wire it would grow with the line."""
-    for spans in (3, 6):
-        model = build(
-            Case.model_validate(stitched() | {"line": {"spans": spans, "span_length": 65}})
-        )
-        assert Pattern(model.form.system).bandwidth <= 41
-
-
-@pytest.mark.slow
-def test_two_half_wires_are_one() -> None:
-    """A contact wire split into two halves (everything on it halved, no lateral distance) gives the
-    same dropper lengths and the same contact force, 0.1 N rms."""
-    one, two = passed(simple(), 0.9), passed(twin(), 0.9)
-    assert difference(one, two) <= 0.1
-    both = two.equilibrium.dropper_lengths_unstrained
-    assert both[0::2] == pytest.approx(one.equilibrium.dropper_lengths_unstrained, abs=1e-5)
-
-
-@pytest.mark.slow
-def test_a_slack_light_stitch_wire_changes_nothing() -> None:
-    """A soft stitch wire (EA 20 kN) of 20 N and 1e-3 kg/m without droppers leaves the simple line's
-    contact force, 0.1 N rms; at EA 1 MN it stiffens the support noticeably (0.56 N)."""
-    data = simple()
-    without = passed(data, 0.9)
-    wire = {"tension": 20.0, "mass": 1e-3, "axial_stiffness": 2e4, "bending_stiffness": 0.1}
-    place = {"role": "stitch", "from": -4.5, "to": 4.5, "clamped_to": "messenger"}
-    data = simple()
-    data["wires"]["stitch"] = wire | place
-    assert difference(without, passed(data, 0.9)) <= 0.1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["stitched", "overlap"])
-def test_mirrored_line_mirrors(name: str) -> None:
-    """A line with opposite stagger gives the mirrored shape and the same contact force."""
-    data = LINES[name]()
-    mirrored = LINES[name]()
-    mirrored["supports"]["contact_stagger"] *= -1.0
-    if name == "overlap":
-        data["overlaps"][0]["separation"] = mirrored["overlaps"][0]["separation"] = 0.0
-    one, two = passed(data, 0.3), passed(mirrored, 0.3)
-    a, b = (run.equilibrium.position.reshape(-1, 2, 3) for run in (one, two))
-    assert a * [1.0, -1.0, 1.0] == pytest.approx(b, abs=1e-7)
-    assert difference(one, two) <= 0.02
-
-
-@pytest.mark.slow
-def test_transfer_between_tension_lengths() -> None:
-    """Through an overlap the pantograph changes wires: force on the first before, on the second
-    after, on both in between, and the total never falls to the second wire alone being lifted off
-    (the sum of the shares is the contact force)."""
-    data = overlapping()
-    data["settings"]["start"] = 120.0
-    model = build(Case.model_validate(data))
-    shape = find_shape(model)
-    blocks = []
-    for block in Simulation(model, shape, Choices()).blocks():
-        blocks.append(block.steps)
-        if block.progress.time > 2.2:
-            break
-    shares = np.concatenate([block.path_force for block in blocks])[:, 0]
-    total = np.concatenate([block.contact_force for block in blocks])[:, 0]
-    x = 120.0 + 250 / 3.6 * np.concatenate([block.time for block in blocks])
-    assert np.nansum(shares, axis=1) == pytest.approx(total, abs=1e-9)
-    before, after = (x > 140) & (x < 165), (x > 225) & (x < 260)
-    assert (np.nan_to_num(shares[before, 1]) == 0.0).all()
-    assert np.nan_to_num(shares[after, 0]).max() == 0.0
-    assert shares[before, 0].mean() > 50.0
-    assert shares[after, 1].mean() > 50.0
-    both = (np.nan_to_num(shares) > 0.0).all(axis=1)
-    assert both.any()
-    assert ((x[both] > 165) & (x[both] < 220)).all()
-
-
-def test_native_is_refused_where_it_cannot() -> None:
-    """Asked for by name, the compiled core refuses a stitched line; 'auto' says what it took."""
-    if not native_available():
-        pytest.skip("no compiled core")
-    model = build(Case.model_validate(stitched()))
-    shape = find_shape(model)
-    with pytest.raises(NativeCoreMissingError, match="two wires"):
-        simulate(model, shape, backend="native")
-    run = simulate(model, shape, backend="auto", watch=lambda _: True)
-    assert run.counters["backend"] == "reference (NumPy)"
-    assert "two wires" in run.counters["general_solver"]
-
-
-def test_messenger_below_the_wire_it_carries_is_refused() -> None:
-    """An auxiliary wire that would lie above the sagging messenger wire is refused by dropper."""
-    data = compound()
-    data["wires"]["auxiliary"]["below"] = 0.3
-    with pytest.raises(ModelError, match=r"dropper 3 of span 1 .*auxiliary.* would have to push"):
-        shape_of(data)
-
-
-def test_contact_wire_alone() -> None:
-    """A contact wire without messenger wire (tram) hangs between springs: the sag is that of a
-    string less what its bending stiffness takes away at both supports,
-    m g L^2 / 8 T (1 - 4 sqrt(EI/T) / L)."""
-    data = simple(span_length=30.0)
-    del data["wires"]["messenger"]
-    data["supports"] = {"closure": "spring", "spring": {"stiffness": 1e4}, "contact_stagger": 0.2}
-    data["droppers"] = []
-    data["settings"] |= {"nodes_between_droppers": 31, "graded_mesh": True}
-    shape = shape_of(data)
-    wire = shape.contact
-    middle = float(np.interp(45.0, wire.s, wire.position[:, 2]))
-    sag = 1.35 * 9.81 * 30.0**2 / (8.0 * 22e3) * (1.0 - 4.0 * np.sqrt(195.0 / 22e3) / 30.0)
-    assert 5.3 - middle == pytest.approx(sag, rel=0.003)
-
-
-def test_raised_wires_leave_the_running_height() -> None:
-    """In an overlap the contact wire is raised at the support before its anchor by the given rise
-    and has no droppers from where it leaves the running height."""
-    line = expand(Case.model_validate(overlapping()))
-    raised = [r for r in line.registrations if r.at.run == "T1 contact" and r.at.s == 55.0 * 4]
-    assert raised[0].z == pytest.approx(5.6)
-    last = max(h.lower.s for h in line.hangers if h.lower.run == "T1 contact" and h.lower.s < 220)
-    way = np.sqrt(2.0 * 22e3 * (0.3 + 0.055) / (1.35 * 9.81))
-    assert 220.0 - way - 5.75 < last <= 220.0 - way
-
-
-def test_head_on_two_half_wires_lifts_them_as_one() -> None:
-    """Under a rigid head two half wires have the elasticity of the whole wire, to 1e-9."""
-    values = []
-    for data in (simple(), twin()):
-        model = build(Case.model_validate(data))
-        values.append(elasticity(model, find_shape(model)).elasticity)
-    assert values[1] == pytest.approx(values[0], rel=1e-9)
-
-
-def test_graded_mesh_gives_the_converged_lengths() -> None:
-    """With nine nodes between attachments, graded, dropper lengths of a stitched line are within
-    0.3 mm of those on a mesh four times as fine; nine even nodes miss them by millimetres."""
-    lengths = {}
-    for name, nodes, graded in (("even", 9, False), ("graded", 9, True), ("fine", 33, True)):
-        data = stitched()
-        data["settings"] |= {"nodes_between_droppers": nodes, "graded_mesh": graded}
-        lengths[name] = shape_of(data).dropper_lengths_unstrained
-    assert np.abs(lengths["graded"] - lengths["fine"]).max() <= 0.3e-3
-    assert np.abs(lengths["even"] - lengths["fine"]).max() >= 2e-3
-
-
-def test_longest_element_refines_long_intervals() -> None:
-    """No element is longer than asked for, and no interval has fewer than it had."""
-    data = simple()
-    data["settings"]["longest_element"] = 0.5
-    steps = [np.diff(s.s) for s in build(Case.model_validate(data)).mesh.strands]
-    assert max(own.max() for own in steps) <= 0.5 + 1e-9
-    assert min(own.max() for own in steps) >= 0.4
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"wires": {"stitch": {"to": -10.0}}}, "not right of"),
-        ({"wires": {"stitch": {"clamped_to": "nothing"}}}, "there are the wires"),
-        ({"wires": {"stitch": {"from": None}}}, "needs it"),
-        ({"wires": {"stitch": {"below": 0.5}}}, "belongs to wires of role 'auxiliary' only"),
-        ({"wires": {"stitch": {"role": "y"}}}, "role"),
-        ({"wires": {"second": {"tension": 1e4, "mass": 1.0, "axial_stiffness": 1e7,
-                               "bending_stiffness": 100.0}}}, "a wire that is not named after"),
-        ({"supports": {"encumbrance": None}}, "height of the messenger wire"),
-        ({"tension_lengths": [{"name": "T1", "masts": [1, 4], "ends": "weighted"}]}, "hold"),
-        ({"tension_lengths": [{"name": "T1", "masts": [1, 3]}]}, "has supports 1 to 4"),
-        ({"overlaps": [{"rise": 0.3}]}, "needs tension_lengths"),
-    ],
-)  # fmt: skip
-def test_impossible_lines_are_refused(changes: dict[str, Any], message: str) -> None:
-    """Contradictions about wires and tension lengths are refused when the case is read."""
-    data = stitched()
-    for part, values in changes.items():
-        if isinstance(values, dict):
-            for key, value in values.items():
-                own = data[part].get(key)
-                data[part][key] = {**own, **value} if isinstance(own, dict) else value
-        else:
-            data[part] = values
-    with pytest.raises(ValidationError, match=message):
-        Case.model_validate(data)
+def test_order_of_the_core_follows_the_wires() -> None:
+    """Every node stands once in the chain; neighbours in it are joined by the cable it names."""
+    system = TOPOLOGIES["stitched"]().system()
+    order = NodeOrder.of(system.cables.nodes, system.node_count)
+    np.testing.assert_array_equal(np.sort(order.nodes), np.arange(system.node_count))
+    np.testing.assert_array_equal(order.nodes[order.place], np.arange(system.node_count))
+    joined = order.cables >= 0
+    pairs = np.stack([order.nodes[:-1], order.nodes[1:]], axis=1)
+    np.testing.assert_array_equal(pairs[joined], system.cables.nodes[order.cables[joined]])
+    assert joined.sum() == len(system.cables)
+    assert (~joined).sum() == 2

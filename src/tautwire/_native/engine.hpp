@@ -6,30 +6,45 @@
 
 namespace tautwire {
 
-// The line; wire 0 is the contact wire, wire 1 the messenger wire. Arrays are only read while an
+// How an axial force may act.
+enum class Law : std::int64_t { both_ways = 0, tension_only = 1, compression_only = 2 };
+inline constexpr int kLaws = 3;
+
+// The line. Nodes are numbered wire after wire, each from left to right; node i and i + 1 are joined
+// by cable i, which has no stiffness and no mass where a wire ends. Arrays are only read while an
 // engine is made.
 struct LineData {
-    int stations, droppers, arms, springs;
-    const double *length, *axial_stiffness, *bending_stiffness, *mass;  // (2, stations - 1)
-    const double* node_mass;                                            // (stations, 2)
-    const double *load, *position;                                      // (stations, 2, 6)
-    const bool* fixed;                                                  // (stations, 2, 6)
-    const std::int64_t* dropper_station;
-    const double *dropper_length, *dropper_stiffness;
-    const std::int64_t* arm_station;
-    const double *arm_end, *arm_length, *arm_stiffness;  // (arms, 3), (arms,), (arms,)
-    const std::int64_t* spring_dof;
-    const double *spring_stiffness, *spring_damping, *spring_free;
+    int nodes, ties, clamps, stays, grounds, paths;
+    const double *length, *axial_stiffness, *bending_stiffness, *mass;  // (nodes - 1,)
+    const double* node_mass;                                            // (nodes,)
+    const double *load, *position;                                      // (nodes, 6)
+    const bool* fixed;                                                  // (nodes, 6)
+    const std::int64_t* rank;  // (nodes,): place along the track, so that couplings are short
+    // Bars between two nodes, upper node first; `law` holds values of Law.
+    const std::int64_t *tie_nodes, *tie_law;        // (ties, 2), (ties,)
+    const double *tie_length, *tie_stiffness;       // (ties,)
+    // Joints that are springs in every direction, host first.
+    const std::int64_t* clamp_nodes;                // (clamps, 2)
+    const double *clamp_stiffness, *clamp_offset;   // (clamps,), (clamps, 3)
+    // Bars to fixed points.
+    const std::int64_t *stay_node, *stay_law;                // (stays,)
+    const double *stay_end, *stay_length, *stay_stiffness;   // (stays, 3), (stays,), (stays,)
+    // Linear spring-dampers to the ground.
+    const std::int64_t* ground_node;                                // (grounds,)
+    const double *ground_stiffness, *ground_damping, *ground_free;  // (grounds, 3, 3) twice, (grounds, 3)
+    // Stretches of wires that pantographs may touch: first and last node, contact stiffness.
+    const std::int64_t* path_nodes;  // (paths, 2)
+    const double* path_stiffness;    // (paths,)
     double damping_mass, damping_stiffness;
-    // Added per square of the time step (numerics/dispersion.py); null: nothing.
-    const double *stiffening_bending, *stiffening_load;  // (2, stations - 1), (stations, 2, 6)
+    // Added per square of the time step (numerics/motion/dispersion.py); null: nothing.
+    const double *stiffening_bending, *stiffening_load;  // (nodes - 1,), (nodes, 6)
 };
 
 // Time integration (theory: numerics/newmark.py) and when an iteration stops.
 struct Scheme {
     double alpha, beta, gamma;
     double time_step;  // the step that others are compared with
-    double contact_stiffness, tolerance;
+    double tolerance;
     int iterations;
     bool full_newton;
 };
@@ -40,21 +55,26 @@ struct PantographData {
     const double* mass;                  // (stages,)
     const double *stiffness, *damping;  // (stages, stages)
     double start_height;
+    double reach[2];  // lateral positions between which the head can touch a wire
 };
 
 // A number of equal steps: what is known in advance and where the histories go.
 struct Chunk {
     int steps;
     double time_step;
-    bool until_crossing;           // stop before a step in which a contact opens or closes
-    const bool* on_line;           // (steps, pantographs)
-    const double *position, *rise;  // (steps, pantographs)
+    bool until_crossing;  // stop before a step in which a pantograph leaves or meets the wires
+    const bool* on_line;  // (steps, pantographs)
+    // Where the plane of contact stands: a point of it, its normal (along the track), and the
+    // direction in which the head rises.
+    const double* frame;  // (steps, pantographs, 3, 3)
+    const double* rise;   // of the running surface above the wire, (steps, pantographs, paths)
     const double *before, *after;  // external forces at both ends of a step, (steps, all stages)
     int observed;
     const std::int64_t* observed_dofs;
-    double *force, *gap, *height;  // (steps, pantographs)
+    // Of every pair of pantograph and path; NaN where they cannot meet.
+    double *force, *gap, *height;  // (steps, pantographs, paths)
     double* stages;                // (steps, all stages)
-    double* dropper_force;         // (steps, droppers)
+    double* tie_force;             // (steps, ties)
     double* coordinates;           // (steps, observed)
     double* refused_gap;           // (pantographs,)
 };
@@ -82,7 +102,7 @@ public:
     virtual Outcome advance(const Chunk& chunk, int& done) = 0;
     // Start from a state that need not be in balance; false when the mass matrix is singular.
     virtual bool start_from(const double* q, const double* v) = 0;
-    virtual void coordinates(double* out) const = 0;  // (stations, 2, 6)
+    virtual void coordinates(double* out) const = 0;  // (nodes, 6)
     virtual void velocities(double* out) const = 0;
     // The complete state of wires and pantographs as numbers.
     virtual std::size_t state_size() const = 0;

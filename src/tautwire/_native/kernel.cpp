@@ -1,5 +1,5 @@
 // The kernels of one instruction set; compiled once for each, see CMakeLists.txt.
-#include "stepper.hpp"
+#include "motion/stepper.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 namespace {

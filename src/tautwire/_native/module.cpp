@@ -26,13 +26,15 @@ public:
     Stepper(const nb::dict& line, const nb::dict& scheme);
 
     void add_pantograph(nb::object mass, nb::object stiffness, nb::object damping,
-                        double start_height) {
+                        double start_height, nb::object reach) {
         Arguments given;
         const std::size_t n = nb::len(mass);
         if (n == 0) throw nb::value_error("mass is empty; a pantograph has at least one stage");
+        const double* lateral = given.array<const double>(reach, 2, "reach");
         engine_->add_pantograph({static_cast<int>(n), given.array<const double>(mass, n, "mass"),
                                  given.array<const double>(stiffness, n * n, "stiffness"),
-                                 given.array<const double>(damping, n * n, "damping"), start_height});
+                                 given.array<const double>(damping, n * n, "damping"), start_height,
+                                 {lateral[0], lateral[1]}});
         ++pantographs_;
         stages_ += n;
     }
@@ -42,14 +44,14 @@ public:
 
     bool start_from(nb::object q, nb::object v) {
         Arguments given;
-        const double* at = given.array<const double>(q, 12 * stations_, "q");
-        return engine_->start_from(at, given.array<const double>(v, 12 * stations_, "v"));
+        const double* at = given.array<const double>(q, 6 * nodes_, "q");
+        return engine_->start_from(at, given.array<const double>(v, 6 * nodes_, "v"));
     }
     void coordinates(nb::object out) const {
-        engine_->coordinates(Arguments().array<double>(out, 12 * stations_, "out"));
+        engine_->coordinates(Arguments().array<double>(out, 6 * nodes_, "out"));
     }
     void velocities(nb::object out) const {
-        engine_->velocities(Arguments().array<double>(out, 12 * stations_, "out"));
+        engine_->velocities(Arguments().array<double>(out, 6 * nodes_, "out"));
     }
     std::tuple<double, double, double, double, double> timings() const {
         const Timings t = engine_->timings();
@@ -71,7 +73,7 @@ public:
 
 private:
     std::unique_ptr<Engine> engine_;
-    std::size_t stations_ = 0, droppers_ = 0, pantographs_ = 0, stages_ = 0;
+    std::size_t nodes_ = 0, ties_ = 0, paths_ = 0, pantographs_ = 0, stages_ = 0;
 };
 
 Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
@@ -84,36 +86,50 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
         check_indices(found, size, static_cast<std::int64_t>(count), name);
         return found;
     };
-    stations_ = Arguments::length(line, "node_mass");
-    droppers_ = Arguments::length(line, "dropper_station");
-    if (stations_ < 2) throw nb::value_error("node_mass: a line has at least two stations");
-    const std::size_t arms = Arguments::length(line, "arm_station");
-    const std::size_t springs = Arguments::length(line, "spring_dof");
-    const std::size_t cables = 2 * (stations_ - 1), dofs = 12 * stations_;
+    const auto length = [&line](const char* name) { return Arguments::length(line, name); };
+    nodes_ = length("node_mass");
+    ties_ = length("tie_length");
+    paths_ = length("path_stiffness");
+    if (nodes_ < 2) throw nb::value_error("node_mass: a line has at least two nodes");
+    const std::size_t clamps = length("clamp_stiffness"), stays = length("stay_length");
+    const std::size_t grounds = length("ground_node"), cables = nodes_ - 1, dofs = 6 * nodes_;
     LineData data;
-    data.stations = static_cast<int>(stations_);
-    data.droppers = static_cast<int>(droppers_);
-    data.arms = static_cast<int>(arms);
-    data.springs = static_cast<int>(springs);
+    data.nodes = static_cast<int>(nodes_);
+    data.ties = static_cast<int>(ties_);
+    data.clamps = static_cast<int>(clamps);
+    data.stays = static_cast<int>(stays);
+    data.grounds = static_cast<int>(grounds);
+    data.paths = static_cast<int>(paths_);
     data.length = numbers("length", cables);
     data.axial_stiffness = numbers("axial_stiffness", cables);
     data.bending_stiffness = numbers("bending_stiffness", cables);
     data.mass = numbers("mass", cables);
-    data.node_mass = numbers("node_mass", 2 * stations_);
+    data.node_mass = numbers("node_mass", nodes_);
     data.load = numbers("load", dofs);
     data.position = numbers("position", dofs);
     data.fixed = given.entry<const bool>(line, "fixed", dofs);
-    data.dropper_station = indices("dropper_station", droppers_, stations_);
-    data.dropper_length = numbers("dropper_length", droppers_);
-    data.dropper_stiffness = numbers("dropper_stiffness", droppers_);
-    data.arm_station = indices("arm_station", arms, stations_);
-    data.arm_end = numbers("arm_end", 3 * arms);
-    data.arm_length = numbers("arm_length", arms);
-    data.arm_stiffness = numbers("arm_stiffness", arms);
-    data.spring_dof = indices("spring_dof", springs, dofs);
-    data.spring_stiffness = numbers("spring_stiffness", springs);
-    data.spring_damping = numbers("spring_damping", springs);
-    data.spring_free = numbers("spring_free", springs);
+    data.rank = indices("rank", nodes_, nodes_);
+    data.tie_nodes = indices("tie_nodes", 2 * ties_, nodes_);
+    data.tie_law = indices("tie_law", ties_, kLaws);
+    data.tie_length = numbers("tie_length", ties_);
+    data.tie_stiffness = numbers("tie_stiffness", ties_);
+    data.clamp_nodes = indices("clamp_nodes", 2 * clamps, nodes_);
+    data.clamp_stiffness = numbers("clamp_stiffness", clamps);
+    data.clamp_offset = numbers("clamp_offset", 3 * clamps);
+    data.stay_node = indices("stay_node", stays, nodes_);
+    data.stay_law = indices("stay_law", stays, kLaws);
+    data.stay_end = numbers("stay_end", 3 * stays);
+    data.stay_length = numbers("stay_length", stays);
+    data.stay_stiffness = numbers("stay_stiffness", stays);
+    data.ground_node = indices("ground_node", grounds, nodes_);
+    data.ground_stiffness = numbers("ground_stiffness", 9 * grounds);
+    data.ground_damping = numbers("ground_damping", 9 * grounds);
+    data.ground_free = numbers("ground_free", 3 * grounds);
+    data.path_nodes = indices("path_nodes", 2 * paths_, nodes_);
+    data.path_stiffness = numbers("path_stiffness", paths_);
+    for (std::size_t i = 0; i < paths_; ++i)
+        if (data.path_nodes[2 * i] >= data.path_nodes[2 * i + 1])
+            throw nb::value_error("path_nodes: a path has two nodes at least, from left to right");
     const bool stiffened = line.contains("stiffening_bending");
     data.stiffening_bending = stiffened ? numbers("stiffening_bending", cables) : nullptr;
     data.stiffening_load = stiffened ? numbers("stiffening_load", dofs) : nullptr;
@@ -122,14 +138,14 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"),
-                     Arguments::positive(scheme, "time_step"), number("contact_stiffness"),
-                     number("tolerance"), Arguments::value<int>(scheme, "iterations"),
+                     Arguments::positive(scheme, "time_step"), number("tolerance"),
+                     Arguments::value<int>(scheme, "iterations"),
                      Arguments::value<bool>(scheme, "full_newton")}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
     Arguments given;
-    const std::size_t steps = Arguments::length(known, "position");
+    const std::size_t steps = Arguments::length(known, "on_line"), pairs = pantographs_ * paths_;
     const std::size_t observed = Arguments::length(known, "observed");
     const auto in = [&](const char* name, std::size_t width) {
         return given.entry<const double>(known, name, steps * width);
@@ -142,18 +158,18 @@ std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& his
     chunk.time_step = Arguments::positive(known, "time_step");
     chunk.until_crossing = Arguments::value<bool>(known, "until_crossing");
     chunk.on_line = given.entry<const bool>(known, "on_line", steps * pantographs_);
-    chunk.position = in("position", pantographs_);
-    chunk.rise = in("rise", pantographs_);
+    chunk.frame = in("frame", 9 * pantographs_);
+    chunk.rise = in("rise", pairs);
     chunk.before = in("before", stages_);
     chunk.after = in("after", stages_);
     chunk.observed = static_cast<int>(observed);
     chunk.observed_dofs = given.entry<const std::int64_t>(known, "observed", observed);
-    check_indices(chunk.observed_dofs, observed, static_cast<std::int64_t>(12 * stations_), "observed");
-    chunk.force = out("contact_force", pantographs_);
-    chunk.gap = out("gap", pantographs_);
-    chunk.height = out("wire_height", pantographs_);
+    check_indices(chunk.observed_dofs, observed, static_cast<std::int64_t>(6 * nodes_), "observed");
+    chunk.force = out("contact_force", pairs);
+    chunk.gap = out("gap", pairs);
+    chunk.height = out("wire_height", pairs);
     chunk.stages = out("stages", stages_);
-    chunk.dropper_force = out("dropper_force", droppers_);
+    chunk.tie_force = out("dropper_force", ties_);
     chunk.coordinates = out("observed", observed);
     chunk.refused_gap = given.entry<double>(histories, "refused_gap", pantographs_);
     int done = 0;
@@ -216,7 +232,7 @@ NB_MODULE(_core, m) {
     nb::class_<Stepper>(m, "Stepper")
         .def(nb::init<const nb::dict&, const nb::dict&>(), nb::arg("line"), nb::arg("scheme"))
         .def("add_pantograph", &Stepper::add_pantograph, nb::arg("mass"), nb::arg("stiffness"),
-             nb::arg("damping"), nb::arg("start_height"))
+             nb::arg("damping"), nb::arg("start_height"), nb::arg("reach"))
         .def("advance", &Stepper::advance, nb::arg("known"), nb::arg("histories"))
         .def("start_from", &Stepper::start_from, nb::arg("q"), nb::arg("v"))
         .def("coordinates", &Stepper::coordinates, nb::arg("out"))

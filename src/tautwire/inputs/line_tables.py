@@ -105,6 +105,8 @@ def read_support_table(path: Path) -> Overlay:
         line["span_length"] = lengths
         for row in range(len(lengths)):
             origins["line", "span_length", row] = table.cell(row, length_name)
+    if length_name == "x" and table.columns["x"][0] != 0.0:
+        line["chainage"] = table.full_column("x")  # not counted from the first support
     return Overlay({"line": line} | ({"supports": supports} if supports else {}), origins)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tautwire.results.files import replacing, write_text
+from tautwire.results.files import write_bytes, write_text
 from tautwire.studies.table import StudyTable, Variable
 from tautwire.version import __version__
 
@@ -35,7 +36,8 @@ def save_netcdf(table: StudyTable, path: str | os.PathLike[str]) -> Path:
 
     coordinates, variables, attributes = table.content()
     apart = [name for name, item in coordinates.items() if (name,) != item.dimensions]
-    with replacing(path) as draft, h5netcdf.File(draft, "w") as file:
+    image = io.BytesIO()  # closing a file that a full disk has cut short ends the process
+    with h5netcdf.File(image, "w") as file:
         file.attrs.update({"format": "tautwire study", "version": __version__, **attributes})
         for name, size in zip(table.names, table.status.shape, strict=True):
             file.dimensions[name] = size
@@ -46,7 +48,7 @@ def save_netcdf(table: StudyTable, path: str | os.PathLike[str]) -> Path:
             _write(file, name, item, [])
         for name, item in variables.items():
             _write(file, name, item, apart)
-    return Path(path)
+    return write_bytes(path, image.getvalue())
 
 
 def _write(file: Any, name: str, item: Variable, coordinates: list[str]) -> None:

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.motion.native_stepper import NativeStepper, cable_order
+from tautwire.numerics.motion.native_line import NotAChainError
+from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions, Stepper
 from tautwire.numerics.network.system import System
@@ -108,8 +109,8 @@ def make_stepper(
 ) -> Stepper:
     """Set up a time integration with the chosen kernels.
 
-    Where the compiled core cannot take a line, 'auto' integrates it with the general banded solver
-    of the reference; ``counters.notes`` says so.
+    With 'auto', wires that branch or form rings, which the core cannot lay end to end, are
+    integrated by the reference; ``counters.notes`` says so.
 
     Parameters
     ----------
@@ -131,19 +132,19 @@ def make_stepper(
         kernels that are not there.
     """
     core = _native(backend)
-    if core is not None and cable_order(system) is not None:
+    if core is None:
+        return ReferenceStepper(system, pantographs, options, observed)
+    try:
         return NativeStepper(core, system, pantographs, options, observed)
-    if backend == "native":
-        raise NativeCoreMissingError(
-            "settings.backend: 'native' computes lines of two wires side by side, coupled station "
-            "by station, which this line is not; choose 'auto' or 'reference'"
-        )
-    stepper = ReferenceStepper(system, pantographs, options, observed)
-    if core is not None:
-        stepper.counters.notes["general_solver"] = (
-            "the line is not two wires side by side coupled station by station"
-        )
-    return stepper
+    except NotAChainError as error:
+        if backend == "native":
+            raise NativeCoreMissingError(
+                f"settings.backend: 'native' cannot compute this line, because {error}; choose "
+                "'auto' or 'reference'"
+            ) from error
+        stepper = ReferenceStepper(system, pantographs, options, observed)
+        stepper.counters.notes["general_solver"] = str(error)
+        return stepper
 
 
 def backend_of(stepper: Stepper) -> str:

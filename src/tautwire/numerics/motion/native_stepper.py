@@ -1,7 +1,8 @@
 """The time integration by the compiled core.
 
-The algorithm is that of :mod:`tautwire.numerics.motion.reference_stepper`; this
-module translates between the arrays of a line and those of the core, station by station.
+The algorithm is that of :mod:`tautwire.numerics.motion.reference_stepper`; this module translates
+between the passage and the core, :mod:`tautwire.numerics.motion.native_line` between the line and
+the core.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.motion.dispersion import WaveStiffening
+from tautwire.numerics.motion.native_line import NodeOrder, line_arrays
 from tautwire.numerics.motion.step_solver import Clock
 from tautwire.numerics.motion.stepper import (
     PantographInput,
@@ -23,7 +24,6 @@ from tautwire.numerics.motion.stepper import (
     StepOptions,
     reachable_tolerance,
 )
-from tautwire.numerics.network.parts import BOTH_WAYS, TENSION_ONLY, Grounds
 from tautwire.numerics.network.system import System
 from tautwire.status import Status
 
@@ -33,59 +33,13 @@ Index = NDArray[np.int64]
 _CHUNK = 100
 _SAME_TIME = 1e-12
 _RUNNING, _CROSSING = 0, 5
+_OF_PAIRS = ("contact_force", "gap", "wire_height")
 _OUTCOMES = {
     1: Status.NOT_CONVERGED,
     2: Status.SINGULAR,
     3: Status.NOT_FINITE,
     4: Status.OFF_THE_LINE,
 }
-
-
-def cable_order(system: System) -> Index | None:
-    """Return the wire elements ordered contact wire first, each from left to right.
-
-    None when the line is not made of two continuous wires whose nodes stand side by side,
-    ``2*station + wire``, with droppers within a station and arms at the contact wire.
-
-    Parameters
-    ----------
-    system
-        The line.
-    """
-    count = system.node_count // 2
-    nodes, ties, arms = system.cables.nodes, system.ties, system.stays.node
-    left, right = nodes.T
-    lower = ties.nodes[:, 1]
-    order = np.lexsort((left, left % 2))
-    expected = (2 * np.arange(count - 1) + np.arange(2)[:, None]).ravel()
-    is_two_wires = (
-        system.node_count == 2 * count
-        and len(system.paths) == 1
-        and len(left) == len(expected)
-        and np.array_equal(left[order], expected)
-        and np.array_equal(right, left + 2)
-        and np.array_equal(system.paths[0].nodes, 2 * np.arange(count))
-        and np.array_equal(ties.nodes[:, 0], lower + 1)
-        and not (lower % 2).any()
-        and not (arms % 2).any()
-        and len(np.unique(lower)) == len(lower)
-        and len(np.unique(arms)) == len(arms)
-        and len(system.clamps) == 0
-        and (ties.law == TENSION_ONLY).all()
-        and (system.stays.law == BOTH_WAYS).all()
-        and _is_diagonal(system.grounds)
-    )
-    return order if is_two_wires else None
-
-
-def _is_diagonal(grounds: Grounds) -> bool:
-    """Tell whether grounds act along the axes only, one at most on every coordinate."""
-    across = ~np.eye(3, dtype=bool)
-    return (
-        not grounds.stiffness[:, across].any()
-        and not grounds.damping[:, across].any()
-        and len(np.unique(grounds.node)) == len(grounds.node)
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,13 +58,18 @@ class NativeStepper:
     core
         The compiled module.
     system
-        The line in its static state; :func:`cable_order` must accept it.
+        The line in its static state.
     pantographs
         Their chains and ways along the line.
     options
         Integrator, step, tolerance.
     observed
         Degrees of freedom whose coordinates are recorded at every step.
+
+    Raises
+    ------
+    NotAChainError
+        The wires of the line branch or form rings.
     """
 
     def __init__(
@@ -124,12 +83,13 @@ class NativeStepper:
         self.counters = StepCounters()
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
-        self._observed = np.ascontiguousarray(observed, dtype=np.int64)
+        self._order = NodeOrder.of(system.cables.nodes, system.node_count)
+        observed = np.asarray(observed, dtype=np.int64)
+        self._observed = 6 * self._order.place[observed // 6] + observed % 6
         self._clock = Clock()
-        self._core = core.Stepper(
-            _line_arrays(system, options.stiffening),
-            _scheme(options, reachable_tolerance(system, options)),
-        )
+        arrays = line_arrays(system, self._order, options.stiffening, options.contact_stiffness)
+        self._paths = len(arrays["path_stiffness"])
+        self._core = core.Stepper(arrays, _scheme(options, reachable_tolerance(system, options)))
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -137,6 +97,7 @@ class NativeStepper:
                 chain.chain_matrix(chain.stiffness),
                 chain.chain_matrix(chain.damping),
                 given.start_height,
+                np.array([-np.inf, np.inf]),
             )
 
     @property
@@ -149,20 +110,24 @@ class NativeStepper:
         """Nodal coordinates at the time reached, ``(n_dof,)``."""
         out = np.empty(self._system.dof_count)
         self._core.coordinates(out)
-        return out
+        return out[self._from_core]
 
     @property
     def velocities(self) -> Array:
         """Nodal velocities at the time reached, ``(n_dof,)``."""
         out = np.empty(self._system.dof_count)
         self._core.velocities(out)
-        return out
+        return out[self._from_core]
 
     @property
     def timings(self) -> dict[str, float]:
         """Wall time spent so far by the core in the parts of its work [s]."""
         names = ("elimination", "contacts", "substitution", "records", "total")
         return dict(zip(names, self._core.timings(), strict=True))
+
+    @property
+    def _from_core(self) -> Index:
+        return (6 * self._order.place[:, None] + np.arange(6)).ravel()
 
     def start_from(self, q: Array, v: Array) -> None:
         """Replace the state at time zero (plucked wires, wave tests); forces need not balance.
@@ -172,7 +137,7 @@ class NativeStepper:
         q, v : (n_dof,)
             Coordinates and velocities.
         """
-        if not self._core.start_from(np.ascontiguousarray(q), np.ascontiguousarray(v)):
+        if not self._core.start_from(q[self._order.dofs], v[self._order.dofs]):
             raise ValueError("the mass matrix is not positive definite")
 
     def mark(self) -> _Mark:
@@ -222,9 +187,23 @@ class NativeStepper:
             time=time[:taken],
             status=_OUTCOMES.get(outcome, Status.RUNNING),
             refused_gap=refused if outcome == _CROSSING else None,
-            path_force=histories["contact_force"][:taken, :, None],
-            **{name: array[:taken] for name, array in histories.items()},
+            **self._of_pantographs({name: array[:taken] for name, array in histories.items()}),
         )
+
+    def _of_pantographs(self, histories: dict[str, Array]) -> dict[str, Array]:
+        """Return histories with those of pairs (pantograph, path) joined to pantographs."""
+        steps, count = len(histories["observed"]), len(self._inputs)
+        if not count:
+            return histories | {"path_force": np.empty((steps, 0, self._paths))}
+        shape = (steps, count, self._paths)
+        force, gap, height = (histories[name].reshape(shape) for name in _OF_PAIRS)
+        nearest = np.argmin(np.where(np.isnan(gap), np.inf, gap), axis=2)[..., None]
+        return histories | {
+            "contact_force": force.sum(axis=2),
+            "path_force": np.where(np.isnan(gap), np.nan, force),
+            "gap": np.take_along_axis(gap, nearest, axis=2)[..., 0],
+            "wire_height": np.take_along_axis(height, nearest, axis=2)[..., 0],
+        }
 
     def _count(self) -> None:
         steps, iterations, refactorisations, full, local = self._core.counters()
@@ -235,11 +214,9 @@ class NativeStepper:
         self.counters.notes["local_iterations"] = local
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
-        count = len(self._inputs)
+        pairs = len(self._inputs) * self._paths
         widths = {
-            "contact_force": count,
-            "gap": count,
-            "wire_height": count,
+            **dict.fromkeys(_OF_PAIRS, pairs),
             "stages": sum(p.chain.stage_count for p in self._inputs),
             "dropper_force": len(self._system.ties),
             "observed": len(self._observed),
@@ -255,11 +232,15 @@ class NativeStepper:
         end = time[1:]
         loads = [np.empty((steps + 1, 0))] + [_external(given, time) for given in self._inputs]
         external = np.concatenate(loads, axis=1)
+        x = _columns([given.position(end) for given in self._inputs], steps)
+        rise = _columns([given.unevenness(end) for given in self._inputs], steps)
         arrays = {
             "time_step": time_step,
-            "position": _columns([given.position(end) for given in self._inputs], steps),
-            "rise": _columns([given.unevenness(end) for given in self._inputs], steps),
-            "on_line": _columns([end >= g.start_time - _SAME_TIME for g in self._inputs], steps),
+            "frame": _straight_frames(x),
+            "rise": np.repeat(rise, self._paths, axis=1),
+            "on_line": _columns(
+                [end >= g.start_time - _SAME_TIME for g in self._inputs], steps, dtype=bool
+            ),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),
             "observed": self._observed,
@@ -276,9 +257,21 @@ class _Known:
     arrays: dict[str, Any]
 
 
-def _columns(values: list[Array], steps: int) -> Array:
+def _columns(values: list[Array], steps: int, dtype: type = float) -> Array:
     """Return a contiguous array with one column per pantograph, ``(steps, n)``."""
-    return np.stack(values, axis=1) if values else np.empty((steps, 0))
+    return np.stack(values, axis=1) if values else np.empty((steps, 0), dtype=dtype)
+
+
+def _straight_frames(x: Array) -> Array:
+    """Return the planes of contact at some positions of a straight track, ``(..., 3, 3)``.
+
+    A point of the plane, its normal along the track, the direction in which the head rises.
+    """
+    frames = np.zeros((*x.shape, 3, 3))
+    frames[..., 0, 0] = x
+    frames[..., 1, 0] = 1.0
+    frames[..., 2, 2] = 1.0
+    return frames
 
 
 def _external(given: PantographInput, time: Array) -> Array:
@@ -295,52 +288,7 @@ def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
         "beta": integrator.beta,
         "gamma": integrator.gamma,
         "time_step": options.time_step,
-        "contact_stiffness": options.contact_stiffness,
         "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
     }
-
-
-def _line_arrays(system: System, stiffening: WaveStiffening | None) -> dict[str, Any]:
-    """Return the arrays of the line in the order of the core."""
-    order = cable_order(system)
-    count = system.node_count // 2
-    cables, ties, stays, grounds = system.cables, system.ties, system.stays, system.grounds
-    arm_stations = stays.node // 2
-    node_mass = system.node_mass.reshape(count, 2).copy()
-    node_mass[arm_stations, 0] += stays.mass / 3.0
-    stiffness = np.diagonal(grounds.stiffness, axis1=1, axis2=2).ravel()
-    damping = np.diagonal(grounds.damping, axis1=1, axis2=2).ravel()
-    springs = np.flatnonzero((stiffness != 0.0) | (damping != 0.0))
-    arrays = {
-        "length": cables.length[order],
-        "axial_stiffness": cables.axial[order],
-        "bending_stiffness": cables.bending[order],
-        "mass": cables.mass[order],
-        "node_mass": node_mass,
-        "load": system.load,
-        "position": system.position,
-        "dropper_length": ties.length,
-        "dropper_stiffness": ties.stiffness,
-        "arm_end": stays.end,
-        "arm_length": stays.length,
-        "arm_stiffness": stays.stiffness,
-        "spring_stiffness": stiffness[springs],
-        "spring_damping": damping[springs],
-        "spring_free": grounds.free.ravel()[springs],
-    }
-    if stiffening is not None:
-        arrays["stiffening_bending"] = stiffening.bending[order]
-        arrays["stiffening_load"] = stiffening.load
-    indices = {
-        "dropper_station": ties.nodes[:, 1] // 2,
-        "arm_station": arm_stations,
-        "spring_dof": grounds.dofs.T.ravel()[springs],
-    }
-    result: dict[str, Any] = {k: np.ascontiguousarray(v, dtype=float) for k, v in arrays.items()}
-    result |= {k: np.ascontiguousarray(v, dtype=np.int64) for k, v in indices.items()}
-    result["fixed"] = np.ascontiguousarray(system.fixed, dtype=bool)
-    result["damping_mass"] = float(system.damping.mass)
-    result["damping_stiffness"] = float(system.damping.stiffness)
-    return result

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "engine.hpp"
-#include "simd.hpp"
+#include "simd/simd.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 
@@ -14,7 +14,7 @@ public:
     Pantograph(const PantographData& data, const Scheme& scheme)
         : n_(data.stages), scheme_(scheme), start_height_(data.start_height), mass_(n_),
           stiffness_(n_ * n_), damping_(n_ * n_), inverse_(n_ * n_), state_(3 * n_), end_(3 * n_),
-          load_(n_) {
+          load_(n_), reach_{data.reach[0], data.reach[1]} {
         for (int i = 0; i < n_; ++i) mass_[i] = data.mass[i];
         for (int i = 0; i < n_ * n_; ++i) {
             stiffness_[i] = data.stiffness[i];
@@ -24,6 +24,9 @@ public:
 
     int stages() const { return n_; }
     const double* displacement() const { return state_.data(); }
+    // Height that the head loses at the end of a step per contact force.
+    double compliance() const { return compliance_; }
+    bool reaches(double lateral) const { return reach_[0] <= lateral && lateral <= reach_[1]; }
 
     // Make ready for steps of a size.
     void set_time_step(double time_step) {
@@ -36,8 +39,7 @@ public:
             inverse_[i] = weight * (to_velocity_ * damping_[i] + to_position_ * stiffness_[i]);
         for (int i = 0; i < n_; ++i) inverse_[i * n_ + i] += mass_[i];
         invert();
-        const double k = scheme_.contact_stiffness;
-        stiffness_in_series = k / (1.0 + k * weight * to_position_ * inverse_[0]);
+        compliance_ = weight * to_position_ * inverse_[0];
     }
 
     // Advance without contact force at the end of the step.
@@ -71,27 +73,23 @@ public:
     // Make the completed step the new state.
     void accept() { state_.copy_from(end_); }
 
-    std::size_t state_size() const { return state_.size() + 4; }
+    std::size_t state_size() const { return state_.size() + 2; }
     double* save(double* out) const {
         for (std::size_t i = 0; i < state_.size(); ++i) *out++ = state_[i];
-        for (const double value : {force, gap, wire_height, static_cast<double>(element)})
-            *out++ = value;
+        *out++ = force;
+        *out++ = gap;
         return out;
     }
     const double* restore(const double* in) {
         for (std::size_t i = 0; i < state_.size(); ++i) state_[i] = *in++;
         force = *in++;
         gap = *in++;
-        wire_height = *in++;
-        element = static_cast<int>(*in++);
         return in;
     }
 
-    double stiffness_in_series = 0.0;  // contact spring and head compliance
     double head_free = 0.0;  // height of the head at the end of the step without contact force
-    // At the last accepted instant:
-    double force = 0.0, gap = NAN, wire_height = NAN;
-    int element = 0;  // element touched
+    // At the last accepted instant: force in total, and the smallest gap to a wire.
+    double force = 0.0, gap = NAN;
 
 private:
     // C v + K z - external, of stage i.
@@ -128,9 +126,11 @@ private:
     int n_;
     Scheme scheme_;
     double start_height_, time_step_ = 0.0, to_position_ = 0.0, to_velocity_ = 0.0;
+    double compliance_ = 0.0;
     Buffer<double> mass_, stiffness_, damping_, inverse_;
     Buffer<double> state_, end_;  // z, v, a
     Buffer<double> load_;
+    double reach_[2];
 };
 
 }  // namespace tautwire::TAUTWIRE_ISA

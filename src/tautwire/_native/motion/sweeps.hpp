@@ -6,9 +6,9 @@
 // can be dropped.
 #pragma once
 
-#include "assembly.hpp"
-#include "forces.hpp"
-#include "preconditioner.hpp"
+#include "chain/preconditioner.hpp"
+#include "line/attachments.hpp"
+#include "line/forces.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 
@@ -25,10 +25,10 @@ struct Prediction {
     double time_step = 0.0, a_to_q = 0.0, a_to_v = 0.0;
 };
 
-// A stretch of the contact wire within one segment.
+// A stretch of a wire within one piece.
 struct Region {
     RowRange rows;
-    int lane;
+    int piece;
 };
 
 // Largest increments of the acceleration of a coordinate: anywhere, and outside some regions; NaN
@@ -40,7 +40,7 @@ struct Increment {
 class Sweeps {
 public:
     Sweeps(const LineData& data, double weight)
-        : line(data, weight), known(line.layout.rows), taut(line.hangers.size()),
+        : line(data, weight), attached(data, line), known(line.layout.rows),
           states_{WireState(line.layout.rows), WireState(line.layout.rows)},
           damping_(line.layout.rows) {
         start().q_p.copy_from(line.position);
@@ -49,8 +49,8 @@ public:
     }
 
     Line line;
+    Attachments attached;
     Buffer<Row> known;      // forces known at the start of a step
-    Buffer<Doubles> taut;   // which droppers carried force at the last residual: 1 or 0
     Prediction prediction;  // of the step in progress
 
     WireState& start() { return states_[now_]; }
@@ -100,6 +100,18 @@ public:
     template <bool kFirst, class P>
     Increment substitute(P& preconditioner, RowRange range, const Region* apart, int count);
 
+    // The nodes at the start of the step, and at its end: predicted, or of the present iterate.
+    MotionView at_start() const {
+        return {start().q_p, start().v_p, start().a, 0.0, start().to_position, start().to_velocity};
+    }
+    MotionView predicted() const {
+        return {start().q_p, start().v_p, start().a, prediction.time_step,
+                prediction.a_to_q + end().to_position, prediction.a_to_v + end().to_velocity};
+    }
+    MotionView at_end() const {
+        return {end().q_p, end().v_p, end().a, 0.0, end().to_position, end().to_velocity};
+    }
+
     // Nodal inertia forces M a at the end of the step.
     void inertia(Buffer<Row>& out) const;
 
@@ -107,8 +119,14 @@ private:
     void set_damping(int row);
     template <bool kFirst, bool kStore>
     TAUTWIRE_INLINE void move(int row, Motion& out);
+    TAUTWIRE_INLINE void clear_held(int row, Row& r) const {
+        const Row& free = line.holds[line.hold_of[row]].free;
+        for (int half = 0; half < 2; ++half)
+            for (int i = 0; i < 6; ++i) r[half][i] *= free[half][i];
+    }
     TAUTWIRE_INLINE void wires(int row, const Motion& left, const Motion& right, Ends (&out)[2]) const;
     static void wrap(const Motion& first, const Motion& last, Motion& out);
+
 
     WireState states_[2];
     int now_ = 0;
@@ -118,13 +136,13 @@ private:
 inline void Sweeps::set_damping(int row) {
     constexpr int kSlot[9] = {6, 7, 8, 3, 4, 5, 9, 10, 11};  // r2, r1', r2' of (r1, r1', r2, r2')
     Doubles k[2][12][12];
-    for (int wire = 0; wire < 2; ++wire) {
-        const Element& element = line.element[2 * row + wire];
+    for (int half = 0; half < 2; ++half) {
+        const Element& element = line.element[2 * row + half];
         Doubles left[6], right[6], tangent[kPacked];
-        element_nodes(line, line.position, row, wire, left, right);
+        element_nodes(line, line.position, row, half, left, right);
         elastic_tangent(
             parabola(left, right, element.inverse_length), element.stiffness, tangent);
-        nodal_tangent(tangent, element, k[wire]);
+        nodal_tangent(tangent, element, k[half]);
     }
     for (int i = 0; i < 9; ++i)
         for (int j = i; j < 9; ++j)
@@ -139,23 +157,23 @@ TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
     WireState& to = end();
     Doubles slope_rate[2][3];
     TAUTWIRE_UNROLL
-    for (int wire = 0; wire < 2; ++wire)
+    for (int half = 0; half < 2; ++half)
         TAUTWIRE_UNROLL
         for (int i = 0; i < 6; ++i) {
-            const Doubles acceleration = from.a[row][wire][i];
-            Doubles q = from.q_p[row][wire][i], v = from.v_p[row][wire][i];
+            const Doubles acceleration = from.a[row][half][i];
+            Doubles q = from.q_p[row][half][i], v = from.v_p[row][half][i];
             if constexpr (kFirst) {
                 q += prediction.time_step * v + prediction.a_to_q * acceleration;
                 v += prediction.a_to_v * acceleration;
                 if constexpr (kStore) {
-                    to.q_p[row][wire][i] = q;
-                    to.v_p[row][wire][i] = v;
+                    to.q_p[row][half][i] = q;
+                    to.v_p[row][half][i] = v;
                 }
             }
             v += to.to_velocity * acceleration;
-            out.q[wire][i] = q + to.to_position * acceleration;
-            out.s[wire][i] = acceleration + line.damping_mass * v;
-            (i < 3 ? out.v[wire][i] : slope_rate[wire][i - 3]) = v;
+            out.q[half][i] = q + to.to_position * acceleration;
+            out.s[half][i] = acceleration + line.damping_mass * v;
+            (i < 3 ? out.v[half][i] : slope_rate[half][i - 3]) = v;
         }
     TAUTWIRE_UNROLL
     for (int i = 0; i < 3; ++i) out.turn[i] = join(slope_rate[0][i], slope_rate[1][i]);
@@ -172,38 +190,49 @@ TAUTWIRE_INLINE void Sweeps::wires(
         drag[0][i] = widen(damping[i], 0);
         drag[1][i] = widen(damping[i], 1);
     }
-    for (int wire = 0; wire < 2; ++wire) {
-        const Element& element = line.element[2 * row + wire];
+    for (int half = 0; half < 2; ++half) {
+        const Element& element = line.element[2 * row + half];
         const Parabola<Doubles> f = elastic_force(
-            parabola(left.q[wire], right.q[wire], element.inverse_length), element.stiffness);
-        Ends ends = wire_forces(element, f, left.s[wire], right.s[wire]);
+            parabola(left.q[half], right.q[half], element.inverse_length), element.stiffness);
+        Ends ends = wire_forces(element, f, left.s[half], right.s[half]);
         TAUTWIRE_UNROLL
         for (int i = 0; i < 3; ++i) {
-            ends.left[i] += drag[wire][i];
-            ends.right[i] -= drag[wire][i];
-            ends.left[3 + i] -= drag[wire][3 + i];
-            ends.right[3 + i] -= drag[wire][6 + i];
+            ends.left[i] += drag[half][i];
+            ends.right[i] -= drag[half][i];
+            ends.left[3 + i] -= drag[half][3 + i];
+            ends.right[3 + i] -= drag[half][6 + i];
         }
-        out[wire] = ends;
+        out[half] = ends;
     }
 }
 
-// The row behind the last one: the next segment's first; in the last lane, which has no next
-// segment, any regular node.
+// The row behind the last one: the first of the next piece; behind the last piece, which has no next
+// one, any regular node.
 inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
-    for (int wire = 0; wire < 2; ++wire)
-        for (int i = 0; i < 6; ++i) {
-            out.q[wire][i] = to_previous_segment(first.q[wire][i]);
-            out.s[wire][i] = to_previous_segment(first.s[wire][i]);
-            if (i < 3) out.v[wire][i] = to_previous_segment(first.v[wire][i]);
-            out.q[wire][i][kLanes - 1] = last.q[wire][i][kLanes - 1] + (i == 0 ? 1.0 : 0.0);
+    out = first;
+    for (int i = 0; i < 6; ++i) {
+        Doubles q[2] = {first.q[0][i], first.q[1][i]}, s[2] = {first.s[0][i], first.s[1][i]};
+        to_previous_piece(q);
+        to_previous_piece(s);
+        q[1][kLanes - 1] = last.q[1][i][kLanes - 1] + (i == 0 ? 1.0 : 0.0);
+        for (int half = 0; half < 2; ++half) {
+            out.q[half][i] = q[half];
+            out.s[half][i] = s[half];
         }
-    for (int i = 0; i < 3; ++i) out.turn[i] = to_previous_segment(first.turn[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        Doubles v[2] = {first.v[0][i], first.v[1][i]};
+        to_previous_piece(v);
+        out.v[0][i] = v[0];
+        out.v[1][i] = v[1];
+        out.turn[i] = to_previous_piece(first.turn[i]);
+    }
 }
 
 template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner, RowRange range) {
     const int rows = line.layout.rows, first = range.first;
+    attached.push(kFirst ? predicted() : at_end(), known, range);
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
@@ -212,7 +241,7 @@ void Sweeps::eliminate(P& preconditioner, RowRange range) {
         move<kFirst, false>(rows - 1, nodes[1]);
         wrap(nodes[0], nodes[1], behind);
     }
-    // What the elements before the first row do to it; those of the last row act on the next segment.
+    // What the elements before the first row do to it; those of the last row act on the next piece.
     if (first == 0) {
         wires(rows - 1, nodes[1], behind, ends);
     } else {
@@ -220,11 +249,12 @@ void Sweeps::eliminate(P& preconditioner, RowRange range) {
         move<kFirst, false>(first, nodes[first & 1]);
         wires(first - 1, nodes[~first & 1], nodes[first & 1], ends);
     }
-    for (int wire = 0; wire < 2; ++wire)
-        for (int i = 0; i < 6; ++i) {
-            const Doubles right = ends[wire].right[i];
-            carry[wire][i] = first == 0 ? to_next_segment(right) : right;
-        }
+    for (int i = 0; i < 6; ++i) {
+        Doubles right[2] = {ends[0].right[i], ends[1].right[i]};
+        if (first == 0) to_next_piece(right);
+        carry[0][i] = right[0];
+        carry[1][i] = right[1];
+    }
 
     preconditioner.begin_elimination(range);
     if constexpr (kFirst) move<kFirst, true>(first, nodes[first & 1]);
@@ -235,72 +265,73 @@ void Sweeps::eliminate(P& preconditioner, RowRange range) {
         wires(row, here, row + 1 < rows ? next : behind, ends);
         Row r;
         TAUTWIRE_UNROLL
-        for (int wire = 0; wire < 2; ++wire)
+        for (int half = 0; half < 2; ++half)
             TAUTWIRE_UNROLL
             for (int i = 0; i < 6; ++i) {
-                r[wire][i] = known[row][wire][i] + (carry[wire][i] + ends[wire].left[i]);
-                if (i < 3) r[wire][i] -= line.node_mass[2 * row + wire] * here.s[wire][i];
-                carry[wire][i] = ends[wire].right[i];
+                r[half][i] = known[row][half][i] + (carry[half][i] + ends[half].left[i]);
+                if (i < 3) r[half][i] -= line.node_mass[2 * row + half] * here.s[half][i];
+                carry[half][i] = ends[half].right[i];
             }
-        const int hanger = line.hanger_of[row], support = line.support_of[row];
-        if (hanger >= 0) taut[hanger] = add_hangers(line.hangers[hanger], here, r);
-        if (support >= 0) add_supports(line.supports[support], here, r);
-        if constexpr (kFirst) preconditioner.set_rotation(row, here.q[0] + 3, here.q[1] + 3);
+        if (line.hold_of[row] >= 0) clear_held(row, r);
+        if constexpr (kFirst) preconditioner.set_rotation(row, here.q);
         preconditioner.eliminate(row, r);
     }
-    preconditioner.finish_elimination(taut);
+    preconditioner.finish_elimination();
+    attached.release(known);
 }
 
 inline void Sweeps::inertia(Buffer<Row>& out) const {
     const int rows = line.layout.rows;
     const Parabola<Doubles> none = {};
     for (int row = 0; row < rows; ++row)
-        for (int wire = 0; wire < 2; ++wire)
+        for (int half = 0; half < 2; ++half)
             for (int i = 0; i < 6; ++i)
-                out[row][wire][i] = i < 3 ? line.node_mass[2 * row + wire] * end().a[row][wire][i]
+                out[row][half][i] = i < 3 ? line.node_mass[2 * row + half] * end().a[row][half][i]
                                           : broadcast<Doubles>(0.0);
     for (int row = 0; row < rows; ++row)
-        for (int wire = 0; wire < 2; ++wire) {
+        for (int half = 0; half < 2; ++half) {
             Doubles left[6], right[6];
-            element_nodes(line, end().a, row, wire, left, right);
-            const Ends ends = wire_forces(line.element[2 * row + wire], none, left, right);
+            element_nodes(line, end().a, row, half, left, right);
+            const Ends ends = wire_forces(line.element[2 * row + half], none, left, right);
             const int behind = row + 1 < rows ? row + 1 : 0;
             for (int i = 0; i < 6; ++i) {
-                out[row][wire][i] -= ends.left[i];
-                out[behind][wire][i] -= behind ? ends.right[i] : to_next_segment(ends.right[i]);
+                out[row][half][i] -= ends.left[i];
+                Doubles right[2] = {broadcast<Doubles>(0.0), broadcast<Doubles>(0.0)};
+                right[half] = ends.right[i];
+                if (!behind) to_next_piece(right);
+                out[behind][0][i] -= right[0];
+                out[behind][1][i] -= right[1];
             }
         }
 }
 
 template <bool kFirst, class P>
 Increment Sweeps::substitute(P& preconditioner, RowRange range, const Region* apart, int count) {
-    using V = typename P::Vector;
-    V outside = broadcast<V>(0.0), total = outside;
+    Floats outside = broadcast<Floats>(0.0), total = outside;
     double inside = 0.0;
-    preconditioner.chain().begin_substitution();
+    preconditioner.begin_substitution();
     for (int row = range.last; row >= range.first; --row) {
         Row x;
-        V size;
+        Floats size;
         preconditioner.substitute(row, x, size, total);
-        const int support = line.support_of[row];
+        if (line.hold_of[row] >= 0) clear_held(row, x);
         TAUTWIRE_UNROLL
-        for (int wire = 0; wire < 2; ++wire)
+        for (int half = 0; half < 2; ++half)
             TAUTWIRE_UNROLL
             for (int i = 0; i < 6; ++i) {
-                if (support >= 0) x[wire][i] *= line.supports[support].free[wire][i];
-                const Doubles before = (kFirst ? start() : end()).a[row][wire][i];
-                end().a[row][wire][i] = before + x[wire][i];
+                const Doubles before = (kFirst ? start() : end()).a[row][half][i];
+                end().a[row][half][i] = before + x[half][i];
             }
         for (int n = 0; n < count; ++n) {
             if (!apart[n].rows.contains(row)) continue;
-            const double here = size[apart[n].lane];
+            const double here = size[apart[n].piece];
             inside = inside > here ? inside : here;
-            size[apart[n].lane] = 0;
+            size[apart[n].piece] = 0;
         }
         outside = maximum(outside, size);
     }
     double sum = 0.0;
-    for (int lane = 0; lane < kLanesOf<V>; ++lane) sum += total[lane];
+    for (int piece = 0; piece < kPieces; ++piece) sum += total[piece];
     const double largest = largest_lane(outside);
     return {std::isfinite(sum) ? (inside > largest ? inside : largest) : sum - sum, largest};
 }

@@ -141,11 +141,11 @@ TAUTWIRE_INLINE double largest_lane(V x) {
     return out;
 }
 
-// 1 where positive, 0 elsewhere.
+// Lane-wise minimum; of a pair with a NaN, b.
 template <class V>
-TAUTWIRE_INLINE V is_positive(V x) {
-    for (int i = 0; i < kLanesOf<V>; ++i) x[i] = x[i] > 0 ? 1 : 0;
-    return x;
+TAUTWIRE_INLINE V minimum(V a, V b) {
+    for (int i = 0; i < kLanesOf<V>; ++i) a[i] = a[i] < b[i] ? a[i] : b[i];
+    return a;
 }
 
 // Lane i of the result is lane index(i) of a and b, which follow each other.
@@ -188,38 +188,40 @@ TAUTWIRE_INLINE To convert(V x) {
 }
 #endif
 
-// The lanes of the contact wire, then those of the messenger wire, rounded to single precision.
-TAUTWIRE_INLINE Floats join(Doubles contact, Doubles messenger) {
+// The lanes of the first half, then those of the second, rounded to single precision.
+TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {
     using Half = Pack<float, kLanes>;
     return shuffle<2 * kLanes>(
-        convert<Half>(contact), convert<Half>(messenger), [](int i) constexpr { return i; });
+        convert<Half>(first), convert<Half>(second), [](int i) constexpr { return i; });
 }
 
-// The lanes of one wire.
-TAUTWIRE_INLINE Doubles widen(Floats x, int wire) {
+// The lanes of one half.
+TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
     return convert<Doubles>(
-        wire ? shuffle<kLanes>(x, x, [](int i) constexpr { return kLanes + i; })
+        half ? shuffle<kLanes>(x, x, [](int i) constexpr { return kLanes + i; })
              : shuffle<kLanes>(x, x, [](int i) constexpr { return i; }));
 }
 
-// Exchange the wires.
-TAUTWIRE_INLINE Floats other_wire(Floats x) {
-    return shuffle<2 * kLanes>(x, x, [](int i) constexpr { return (i + kLanes) % (2 * kLanes); });
-}
-
-// Move every lane's value to the next (previous) segment of the same wire; zero enters at the end.
-// A vector of W doubles holds one wire, one of 2 W floats holds both wires.
-template <class V>
-TAUTWIRE_INLINE V to_next_segment(V x) {
-    return shuffle<kLanesOf<V>>(x, broadcast<V>(0.0), [](int i) constexpr {
-        return i % kLanes == 0 ? kLanesOf<V> : i - 1;
+// Move every value to the next (previous) piece; zero enters at the end. A vector of floats holds
+// all pieces, a pair of vectors of doubles their halves.
+TAUTWIRE_INLINE Floats to_next_piece(Floats x) {
+    return shuffle<2 * kLanes>(x, broadcast<Floats>(0.0), [](int i) constexpr {
+        return i == 0 ? 2 * kLanes : i - 1;
     });
 }
-template <class V>
-TAUTWIRE_INLINE V to_previous_segment(V x) {
-    return shuffle<kLanesOf<V>>(x, broadcast<V>(0.0), [](int i) constexpr {
-        return i % kLanes == kLanes - 1 ? kLanesOf<V> : i + 1;
-    });
+TAUTWIRE_INLINE Floats to_previous_piece(Floats x) {
+    return shuffle<2 * kLanes>(
+        x, broadcast<Floats>(0.0), [](int i) constexpr { return i + 1; });
+}
+TAUTWIRE_INLINE void to_next_piece(Doubles (&x)[2]) {
+    const auto from_before = [](int i) constexpr { return i == 0 ? 2 * kLanes - 1 : i - 1; };
+    x[1] = shuffle<kLanes>(x[1], x[0], from_before);
+    x[0] = shuffle<kLanes>(x[0], broadcast<Doubles>(0.0), from_before);
+}
+TAUTWIRE_INLINE void to_previous_piece(Doubles (&x)[2]) {
+    const auto from_behind = [](int i) constexpr { return i + 1; };
+    x[0] = shuffle<kLanes>(x[0], x[1], from_behind);
+    x[1] = shuffle<kLanes>(x[1], broadcast<Doubles>(0.0), from_behind);
 }
 
 // A block of memory aligned for vectors, zero at the start, for values that may be copied bytewise.
@@ -256,6 +258,10 @@ public:
     T* data() { return data_; }
     const T* data() const { return data_; }
     std::size_t size() const { return size_; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
     // Make room for more; what is there stays, the rest is zero.
     void grow(std::size_t size) {
         if (size <= size_) return;
@@ -268,6 +274,28 @@ public:
 private:
     static constexpr std::size_t kAlignment = 64;
     T* data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+// A list that grows; for types that can be copied byte by byte.
+template <class T>
+class List {
+public:
+    void push(const T& entry) {
+        if (size_ == data_.size()) data_.grow(2 * size_ + 16);
+        data_[size_++] = entry;
+    }
+    void shorten(std::size_t size) { size_ = size; }
+    std::size_t size() const { return size_; }
+    T& operator[](std::size_t i) { return data_[i]; }
+    const T& operator[](std::size_t i) const { return data_[i]; }
+    T* begin() { return data_.data(); }
+    T* end() { return data_.data() + size_; }
+    const T* begin() const { return data_.data(); }
+    const T* end() const { return data_.data() + size_; }
+
+private:
+    Buffer<T> data_;
     std::size_t size_ = 0;
 };
 

@@ -12,7 +12,7 @@
 // so its gradient is A p + B h with respect to p, and B p + C h with respect to h.
 #pragma once
 
-#include "simd.hpp"
+#include "simd/simd.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 

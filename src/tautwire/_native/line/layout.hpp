@@ -1,0 +1,65 @@
+// Where a node is kept.
+//
+// The nodes of all wires lie end to end in one chain, wire after wire. It is cut into as many equal
+// pieces as a vector of floats has lanes: row k holds the k-th node of every piece. In double
+// precision a row is two vectors, the halves of the pieces. Wires may be cut anywhere; where one
+// ends, an element without stiffness and mass follows.
+#pragma once
+
+#include "simd/simd.hpp"
+
+namespace tautwire::TAUTWIRE_ISA {
+
+inline constexpr int kPieces = 2 * kLanes;
+
+struct RowRange {
+    int first, last;  // both included
+
+    bool contains(int row) const { return first <= row && row <= last; }
+};
+
+struct Slot {
+    int row, half, lane;
+
+    int piece() const { return half * kLanes + lane; }
+};
+
+// Coordinates, velocities or forces of the nodes of a row.
+using Row = Doubles[2][6];
+
+struct Layout {
+    int nodes = 0, rows = 0;
+
+    explicit Layout(int nodes_) : nodes(nodes_), rows((nodes_ + kPieces - 1) / kPieces) {}
+
+    Slot slot(int node) const {
+        const int piece = node / rows;
+        return {node - piece * rows, piece / kLanes, piece % kLanes};
+    }
+    // The node of a slot; behind the last node there is padding.
+    int node(int row, int half, int lane) const { return (half * kLanes + lane) * rows + row; }
+    int padded() const { return rows * kPieces; }
+    RowRange whole() const { return {0, rows - 1}; }
+    bool is_whole(RowRange range) const { return range.first == 0 && range.last == rows - 1; }
+
+    // Where the first of a node's six values stands in an array of rows of doubles (floats), as
+    // numbers; the next one is kLanes (kPieces) further.
+    int in_doubles(int node) const {
+        const Slot s = slot(node);
+        return (2 * s.row + s.half) * 6 * kLanes + s.lane;
+    }
+    int in_floats(int node) const {
+        const Slot s = slot(node);
+        return s.row * 6 * kPieces + s.piece();
+    }
+};
+
+// One value of a node in an array of rows.
+inline double& value(Buffer<Row>& rows, const Layout& layout, int node, int i) {
+    return reinterpret_cast<double*>(rows.data())[layout.in_doubles(node) + i * kLanes];
+}
+inline double value(const Buffer<Row>& rows, const Layout& layout, int node, int i) {
+    return reinterpret_cast<const double*>(rows.data())[layout.in_doubles(node) + i * kLanes];
+}
+
+}  // namespace tautwire::TAUTWIRE_ISA
