@@ -26,8 +26,8 @@ def test_dropper_lengths(shape: Equilibrium) -> None:
 
 
 def test_messenger_and_stitch_wire(shape: Equilibrium) -> None:
-    """The messenger wire at the clamp and the stitch wire at the support lie as digitised, 1.461 and
-    1.336 m above the contact wire, within 10 mm."""
+    """Messenger wire at the clamp and stitch wire at the support lie 1.461 and 1.336 m above the
+    contact wire as digitised, within 10 mm."""
     support, level = 8 * 65.0, 5.08
     messenger, stitch = shape.wire("messenger"), shape.wire("stitch 9")
     at_clamp = np.interp(support + 9.0, messenger.s, messenger.position[:, 2])
