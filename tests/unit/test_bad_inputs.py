@@ -431,7 +431,7 @@ BAD_FILES = {
     "schema.yaml": ("schema: 2\n", ["schema: got 2; this program reads version 1", "schema: 1"]),
     "true.yaml": ("schema: true\n", ["schema: got True; this program reads version 1"]),
     "none.yaml": ("name: x\n", ["schema: is missing; write 'schema: 1'", "wires: is missing"]),
-    "case.txt": ("schema: 1\n", ["is no case file; its name must end in .yaml, .yml, .toml"]),
+    "case.txt": ("schema: 1\n", ["holds no table; a table has a row of headings"]),
     "include.yaml": ("include: include.yaml\n", ["includes itself", "remove one 'include'"]),
 }
 

@@ -33,7 +33,7 @@ NOT_MODELLED: dict[str, tuple[str, ...]] = {
     "mid-point anchor": ("mid_point", "mid_point_anchor", "midpoint_anchor", "fixed_point"),
     "crossing or turnout wire": ("crossing", "turnout", "switch", "crossing_wire"),
     "rigid overhead conductor rail": ("rigid", "conductor_rail", "rigid_catenary"),
-    "elastic cantilever": ("cantilever", "cantilevers", "mast", "masts"),
+    "elastic cantilever": ("cantilever", "cantilevers"),
     "tensioning device with friction or spring": ("tensioning", "tensioner", "balance_weight"),
     "wind": ("wind", "wind_speed", "gust"),
     "temperature and ice": ("temperature", "ice", "ice_load"),
