@@ -13,6 +13,11 @@ from tautwire.specs.step_control import StepControl
 Method = Literal["newmark", "hht"]
 SpanNumber = Annotated[int, Field(ge=1, strict=True)]
 HHT_ALPHA = -0.05
+USUAL_CONTACT_STIFFNESS = 50e3
+"""[N/m]: reference model of EN 50318:2002 and, with hinged arms, the benchmark of 2015 without
+calibration (theory page)."""
+NOT_GIVEN = "Not given"
+"""Beginning of the source of a value that the program chose because the input has none."""
 
 
 class Integrator(Spec):
@@ -54,7 +59,12 @@ class Settings(Spec):
 
     contact_stiffness: Annotated[
         float, Quantity("N/m", gt=0.0, le=1e9, typical="50 to 200 kN/m")
-    ] = Field(description="Stiffness of the penalty contact between head and wire.")
+    ] = Field(
+        default=USUAL_CONTACT_STIFFNESS,
+        description="Stiffness of the penalty contact between head and wire, a property of the "
+        "model rather than of a line. If left out, that of the reference model of EN 50318:2002; a "
+        "warning says so.",
+    )
     nodes_between_droppers: Annotated[
         int, Field(ge=2, le=200, strict=True), Typical("9; 15 for high frequencies")
     ] = Field(
