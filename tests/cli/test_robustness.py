@@ -103,7 +103,7 @@ VALUES = [
     _set("unevenness of a negative length",
          "irregularities.unevenness=[{kind: bump, position: 9 m, length: -1 m, rise: 1 mm}]",
          "irregularities.unevenness[1].length", "at least 0.02 m"),
-    _set("stitch wire", "line.stitch_wire=18 m", "a stitch wire is one of 'wires'", "role: stitch"),
+    _set("stitch wire", "line.stitch_wire=18 m", "unknown key", "given as wires"),
 ]  # fmt: skip
 FILES = [
     _file("empty file", "empty.yaml", "", "empty.yaml: is empty", "--copy my-line.yaml"),

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from tautwire.inputs.files import did_you_mean
 from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
-from tautwire.specs.not_modelled import PAGE, feature_of, where_said
+from tautwire.specs.vocabulary import PAGE, meaning_of
 
 Path = tuple[str | int, ...]
 _STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
@@ -117,22 +117,43 @@ def find_target(path: Path) -> Target:
             field, spec = None, spec.named_items
             continue
         if step not in fields:
-            raise PathError(f"{format_path(path[: depth + 1])}: {unknown_key(step, fields)}")
+            place = format_path(path[: depth + 1])
+            raise PathError(f"{place}: {unknown_key(step, fields, format_path(path[:depth]))}")
         field = fields[step]
         spec = next(iter(_specs(field.annotation)), None)
     return Target(field, spec)
 
 
-def unknown_key(key: str, allowed: Mapping[str, Any]) -> str:
-    """Say that a key is unknown, with the closest one, or that its feature is not modelled."""
-    feature = feature_of(key)
-    if feature is not None:
-        return f"not modelled yet: {feature}; see the page '{PAGE}'"
-    elsewhere = where_said(key)
-    if elsewhere is not None:
-        return f"unknown key; {elsewhere}"
+def spec_at(path: Path) -> type[Spec] | None:
+    """Return the spec of the mapping at a path; None where the path leads to none."""
+    try:
+        return find_target(path).spec
+    except PathError:
+        return None
+
+
+def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
+    """Say that a key is unknown, and what may be meant.
+
+    Parameters
+    ----------
+    key
+        As it was written.
+    allowed
+        Keys that may stand in its place.
+    above
+        Path of the mapping in which it stands; empty at the top.
+    """
+    meaning = meaning_of(key, above)
+    if meaning is not None and meaning.feature:
+        return f"not modelled yet: {meaning.feature}; see the page '{PAGE}'"
     if not allowed:
         return "unknown key; nothing can be given below this value"
+    own = meaning.key.rpartition(".")[2] if meaning is not None else ""
+    if own in allowed:
+        return f"unknown key; did you mean {own!r}?"
+    if meaning is not None:
+        return f"unknown key; it is given as {meaning.key}"
     listed = ", ".join(allowed)
     return f"unknown key{did_you_mean(key, allowed) or f'; known here are: {listed}'}"
 

@@ -10,7 +10,11 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from tautwire.units import expectation, parse_quantity
+from tautwire.text import shown
+from tautwire.units import UnitError, expectation, parse_quantity
+
+SMALLEST = 1e-30
+"""Smallest size of a quantity other than 0: none in SI is smaller, and one over it is finite."""
 
 SCALAR = "<scalar>"
 LIST = "<list>"
@@ -65,7 +69,10 @@ class Quantity:
         return {"anyOf": [handler(schema), text]} | extra
 
     def _to_si(self, value: object) -> float:
-        return parse_quantity(value, self.unit)
+        number = parse_quantity(value, self.unit)
+        if number != 0.0 and abs(number) < SMALLEST:
+            raise UnitError(f"got {shown(value)}, too small to be meant; give 0 or a usual value")
+        return number
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,9 @@ class Spec(BaseModel):
 
     catalogue_kinds: ClassVar[tuple[str, ...]] = ()
     """Kinds of catalogue entries that ``use`` may name in a mapping of this spec."""
+
+    table_columns: ClassVar[tuple[str, ...]] = ()
+    """Lists that ``table`` may give in a mapping of this spec, as columns of a CSV file."""
 
     def with_(self, **changes: Any) -> Self:
         """Return a validated copy with some fields changed.

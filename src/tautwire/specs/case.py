@@ -81,7 +81,9 @@ class Case(Spec):
         description="Irregularities of the contact wire; none if left out.",
     )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
-    settings: Settings = Field(description="Numerical choices and analysed section.")
+    settings: Settings = Field(
+        default=Settings(), description="Numerical choices and analysed section."
+    )
     sources: tuple[Source, ...] = Field(
         default=(), description="Where the numbers come from, shown in the report."
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -94,6 +95,70 @@ def check_dropper_wires(wires: Wires, supports: Supports, droppers: DropperSets)
             if wire.role in ("contact", "auxiliary") and name not in carried
         ]
     return problems
+
+
+def check_encumbrance(
+    line: Line, wires: Wires, supports: Supports, droppers: DropperSets
+) -> list[Problem]:
+    """Check that the messenger wire hangs above the contact wire; name the worst dropper alone."""
+    if isinstance(droppers, tuple) or droppers.mode != "height" or wires.messenger is None:
+        return []
+    if droppers.about == "mast" or droppers.lower != "contact":
+        return []
+    encumbrances = supports.encumbrances(line.spans + 1)
+    rows = droppers.positions_by_span(line.spans), droppers.presag_by_span(line.spans)
+    if len(encumbrances) != line.spans + 1 or {len(table) for table in rows} != {line.spans}:
+        return []
+    found = [
+        (estimated, span, index)
+        for span in range(line.spans)
+        for index, estimated in enumerate(
+            dropper_lengths(line, wires, droppers, encumbrances[span : span + 2], span)
+        )
+    ]
+    length, span, index = min(found, default=(1.0, 0, 0))
+    if length > 0.0:
+        return []
+    least = math.ceil(100.0 * (max(encumbrances[span : span + 2]) - length + 0.05)) / 100.0
+    return [
+        Problem(
+            ("supports", "encumbrance"),
+            f"is too small: at dropper {index + 1} of span {span + 1} the messenger wire would "
+            f"hang {-1e3 * length:.0f} mm below the contact wire, because its sag grows with the "
+            f"weight and the square of the span over its tension; give at least {least:.2f} m, or "
+            "raise wires.messenger.tension",
+        )
+    ]
+
+
+def dropper_lengths(
+    line: Line, wires: Wires, droppers: Droppers, encumbrances: Sequence[float], span: int
+) -> list[float]:
+    """Estimate the lengths of the droppers of a span [m] in mode 'height'.
+
+    The sags of both wires times their tensions carry the weight of the span,
+    ``T_m s_m(x) + T_c s_c(x) = w x (L - x)/2`` (moments about a cut; bending, the inclination of
+    the arms and the mass of the droppers neglected: 3 to 13 mm too short), and a dropper at x has
+    the length ``encumbrance + s_c - s_m``.
+
+    Parameters
+    ----------
+    line, wires, droppers
+    encumbrances
+        At the left and at the right support [m].
+    span
+        Counted from 0.
+    """
+    messenger = wires.messenger or wires.contact
+    length, (left, right) = line.span_lengths()[span], encumbrances
+    positions = droppers.positions_by_span(line.spans)[span]
+    clamps = len(positions) * (droppers.clamp_contact + droppers.clamp_messenger)
+    weight = (wires.contact.mass + messenger.mass + clamps / length) * line.gravity
+    return [
+        left + (right - left) * x / length + sag
+        - (0.5 * weight * x * (length - x) - wires.contact.tension * sag) / messenger.tension
+        for x, sag in zip(positions, droppers.presag_by_span(line.spans)[span], strict=False)
+    ]  # fmt: skip
 
 
 def check_droppers(line: Line, droppers: DropperSets) -> list[Problem]:
@@ -392,6 +457,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "droppers"), check_droppers),
     (("line", "tension_lengths", "overlaps"), check_tension_lengths),
     (("wires", "supports", "droppers"), check_dropper_wires),
+    (("line", "wires", "supports", "droppers"), check_encumbrance),
     (("wires", "scenario"), check_speed),
     (("pantographs",), check_pantograph_row),
     (("scenario", "pantographs"), check_forces),

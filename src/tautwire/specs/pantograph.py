@@ -10,7 +10,7 @@ from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
 
 Time = Annotated[float, Quantity("s", ge=0.0, le=1e6)]
 RoofHeight = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-20 to 20 mm")]
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^/\\\x00-\x1f\x7f]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
 
 
 class ForceLaw(Spec):
@@ -55,6 +55,8 @@ class RoofMotion(Spec):
 
     Before the first and after the last point the nearest value holds.
     """
+
+    table_columns: ClassVar[tuple[str, ...]] = ("time", "height")
 
     time: tuple[Time, ...] = Field(
         min_length=2, description="Times since the start, strictly increasing."

@@ -15,6 +15,11 @@ SpanNumber = Annotated[int, Field(ge=1, strict=True)]
 HHT_ALPHA = -0.05
 FEWEST_GRADED = 6
 """Nodes between attachment points that a graded mesh needs: both, four near them, none between."""
+USUAL_CONTACT_STIFFNESS = 50e3
+"""[N/m]: reference model of EN 50318:2002 and, with hinged arms, the benchmark of 2015 without
+calibration (theory page)."""
+NOT_GIVEN = "Not given"
+"""Beginning of the source of a value that the program chose because the input has none."""
 
 
 class Integrator(Spec):
@@ -56,7 +61,12 @@ class Settings(Spec):
 
     contact_stiffness: Annotated[
         float, Quantity("N/m", gt=0.0, le=1e9, typical="50 to 200 kN/m")
-    ] = Field(description="Stiffness of the penalty contact between head and wire.")
+    ] = Field(
+        default=USUAL_CONTACT_STIFFNESS,
+        description="Stiffness of the penalty contact between head and wire, a property of the "
+        "model rather than of a line. If left out, that of the reference model of EN 50318:2002; a "
+        "warning says so.",
+    )
     nodes_between_droppers: Annotated[
         int, Field(ge=2, le=200, strict=True), Typical("9; 15 for high frequencies")
     ] = Field(

@@ -175,7 +175,10 @@ class StepSolver:
             self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
 
     def renew(self, q: Array, v: Array, *, only_taut: bool) -> bool:
-        """Factor the matrix at an iterate; without its slack ties when ``only_taut``."""
+        """Factor the matrix at an iterate; without its slack ties when ``only_taut``.
+
+        False when it could not be factored.
+        """
         dt, self._columns = self._step.c.time_step, None
         if only_taut:
             taut = self._system.ties.acting(tie_axial_force(self._system, q, v))

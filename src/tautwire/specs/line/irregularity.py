@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -88,6 +88,8 @@ class Unevenness(Spec):
     wire and head: the gap is wire height + unevenness - head height. The static shape does not
     change.
     """
+
+    table_columns: ClassVar[tuple[str, ...]] = ("x", "height")
 
     kind: Literal["uniform", "gaussian", "power law", "spectrum", "profile", "bump"] = Field(
         description="'uniform' or 'gaussian' (independent random ordinates at a spacing, joined by "

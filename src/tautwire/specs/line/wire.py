@@ -32,8 +32,10 @@ class Wire(Spec):
         Field(description="Axial stiffness EA.")
     )
     bending_stiffness: Annotated[
-        float, Quantity("N m^2", gt=0.0, le=1e6, typical="100 to 200 N m^2")
-    ] = Field(description="Bending stiffness EI, the same in both directions.")
+        float, Quantity("N m^2", ge=0.0, le=1e6, typical="100 to 200 N m^2")
+    ] = Field(
+        description="Bending stiffness EI, the same in both directions; 0 for a rope that has none."
+    )
 
     role: Role | None = Field(
         default=None,
