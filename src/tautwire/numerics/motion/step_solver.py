@@ -141,8 +141,11 @@ class StepSolver:
             ahead = step.start.q + step.c.time_step * step.start.v
             self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
 
-    def renew(self, q: Array, v: Array, *, only_taut: bool) -> None:
-        """Factor the matrix at an iterate; without its slack ties when ``only_taut``."""
+    def renew(self, q: Array, v: Array, *, only_taut: bool) -> bool:
+        """Factor the matrix at an iterate; without its slack ties when ``only_taut``.
+
+        False when it could not be factored.
+        """
         dt, self._columns = self._step.c.time_step, None
         if only_taut:
             taut = self._system.ties.acting(tie_axial_force(self._system, q, v))
