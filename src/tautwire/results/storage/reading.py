@@ -267,8 +267,8 @@ def _pantographs(
     file: h5netcdf.File, case: Case, sizes: dict[str, int]
 ) -> tuple[PantographRecord, ...]:
     """Read the histories of all pantographs, which are stacked, missing stages as NaN."""
-    stored = tuple(entry for entry in layout.PANTOGRAPH if entry.name in file.variables)
-    _require(len(stored) >= len(layout.PANTOGRAPH) - (_version(file) == 1), "a history is missing")
+    has_shares = _version(file) > 1
+    stored = tuple(e for e in layout.PANTOGRAPH if has_shares or e.name != "wire_force")
     values = _entries(file, stored, sizes)
     values.setdefault("wire_forces", values["contact_force"][:, :, None])
     names = [str(name) for name in _array(file, layout.NAMES, sizes)]
