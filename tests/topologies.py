@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.motion.stepper import PantographInput
+from tautwire.numerics.motion.backend import make_stepper
+from tautwire.numerics.motion.stepper import PantographInput, StepOptions
 from tautwire.numerics.network.parts import (
     BOTH_WAYS,
     COMPRESSION_ONLY,
@@ -26,6 +27,8 @@ from tautwire.numerics.network.parts import (
     Ties,
 )
 from tautwire.numerics.network.system import System
+from tautwire.numerics.newmark import Newmark
+from tautwire.status import Status
 
 from .lines import one_stage, stretch_under
 
@@ -277,14 +280,31 @@ TOPOLOGIES: dict[str, Callable[[], Network]] = {
 }
 
 
-def under_way(start_x: float = 22.0) -> PantographInput:
-    """Return a pantograph that presses on a wire at height 0, at 70 m/s."""
+def hanging(system: System) -> System:
+    """Return a line at rest under its weight, found by letting it swing with much damping."""
+    cables = system.cables
+    load = np.zeros((system.node_count, 6))
+    half = 0.5 * 9.81 * cables.length * cables.mass
+    np.subtract.at(load[:, 2], cables.nodes, half[:, None])
+    load[:, 2] -= 9.81 * system.node_mass
+    swinging = system.with_(load=load.ravel(), damping=Rayleigh(6.0, 1e-3))
+    options = StepOptions(Newmark(), 5e-3, 5e4, tolerance=1e-9, iterations=60)
+    stepper = make_stepper(swinging, (), options, np.array([2]))
+    block = stepper.advance(1500)
+    assert block.status is Status.RUNNING
+    return swinging.with_(position=stepper.coordinates, damping=system.damping)
+
+
+def under_way(
+    start_x: float = 22.0, start_height: float = 0.0, velocity: float = 70.0
+) -> PantographInput:
+    """Return a pantograph that presses on a wire from below, 160 N in the mean."""
     return PantographInput(
         chain=one_stage(10.0, 100.0, 120.0),
         start_time=0.0,
         start_x=start_x,
-        start_height=0.0,
-        velocity=70.0,
+        start_height=start_height,
+        velocity=velocity,
         stage_forces=np.array([160.0]),
         ramp=0.05,
     )

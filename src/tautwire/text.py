@@ -53,6 +53,25 @@ def shortened(text: str, most: int = 100) -> str:
     return line if len(line) <= most else f"{line[:half]} ... {line[-half:]}"
 
 
+def shown(value: object, most: int = 60) -> str:
+    """Return a value for a message: texts quoted, all shortened where they are long.
+
+    Examples
+    --------
+    >>> shown("55 m"), shown(5.0), shown(None)
+    ("'55 m'", '5', 'nothing')
+    """
+    if value is None:
+        return "nothing"
+    try:
+        text = repr(value) if isinstance(value, str) else str(value)
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        return f"a very large {type(value).__name__}"
+    if isinstance(value, float):
+        text = text.removesuffix(".0")
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
 def csv_text(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
     r"""Return a table as CSV whose cells no spreadsheet takes for formulas.
 

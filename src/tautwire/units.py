@@ -15,6 +15,8 @@ from functools import lru_cache
 from numbers import Real
 from typing import NamedTuple, NoReturn
 
+from tautwire.text import shown
+
 
 class UnitError(ValueError):
     """A value is not a finite number, has a malformed unit or the wrong dimension."""
@@ -59,10 +61,22 @@ _PREFIXED = {
     "Pa": Unit(1.0, Dimension(1, -1, -2)),
     "Hz": Unit(1.0, Dimension(time=-1)),
 }
+_POUND = 0.45359237
+_GRAVITY = 9.80665
+"""Avoirdupois pound [kg] and standard gravity [m/s^2], exact: NIST SP 811, appendix B."""
 _PLAIN = {
+    "in": Unit(0.0254, Dimension(length=1)),
+    "ft": Unit(0.3048, Dimension(length=1)),
+    "yd": Unit(0.9144, Dimension(length=1)),
+    "mi": Unit(1609.344, Dimension(length=1)),
+    "lb": Unit(_POUND, Dimension(mass=1)),
+    "lbf": Unit(_POUND * _GRAVITY, _FORCE),
+    "kip": Unit(1e3 * _POUND * _GRAVITY, _FORCE),
     "min": Unit(60.0, Dimension(time=1)),
     "h": Unit(3600.0, Dimension(time=1)),
-    "kgf": Unit(9.80665, _FORCE),
+    "kgf": Unit(_GRAVITY, _FORCE),
+    "kp": Unit(_GRAVITY, _FORCE),
+    "kph": Unit(1.0 / 3.6, Dimension(0, 1, -1)),
     "mph": Unit(0.44704, Dimension(0, 1, -1)),
     "rad": Unit(1.0, Dimension(angle=1)),
     "mrad": Unit(1e-3, Dimension(angle=1)),
@@ -136,7 +150,7 @@ def parse_quantity(value: object, unit: str) -> float:
     if isinstance(value, str):
         return _parse_text(value, unit)
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise UnitError(f"got {_shown(value)}; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(value)}; expected {expectation(unit)}")
     return _finite(value, value, unit)
 
 
@@ -170,11 +184,11 @@ def expectation(unit: str) -> str:
 def _parse_text(text: str, unit: str) -> float:
     match = _NUMBER.fullmatch(text.replace("\u2212", "-").replace("\u00a0", " "))
     if match is None:
-        raise UnitError(f"got {_shown(text)}, not a number; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(text)}, not a number; expected {expectation(unit)}")
     digits, symbol = match.group(1), match.group(2).strip()
     if re.match(r"[,_'.]|\d(?!\s*/)", symbol):
         raise UnitError(
-            f"got {_shown(text)}; write numbers with a decimal point and without separators "
+            f"got {shown(text)}; write numbers with a decimal point and without separators "
             f"of thousands; expected {expectation(unit)}"
         )
     if not symbol:
@@ -182,14 +196,22 @@ def _parse_text(text: str, unit: str) -> float:
     try:
         given = parse_unit("1" + symbol if symbol.startswith("/") else symbol)
     except UnitError as error:
-        raise UnitError(f"got {_shown(text)}: {error}; expected {expectation(unit)}") from None
+        raise UnitError(f"got {shown(text)}: {error}; expected {expectation(unit)}") from None
     expected = parse_unit(unit) if unit else _ONE
     if given.dimension != expected.dimension:
         raise UnitError(
-            f"got {_shown(text)}, which is {_kind_of(given.dimension)}; "
-            f"expected {expectation(unit)}"
+            f"got {shown(text)}, which is {_kind_of(given.dimension)}; "
+            f"expected {expectation(unit)}{_as_force(text, symbol, expected)}"
         )
     return _finite(_scaled(digits, given.factor), text, unit)
+
+
+def _as_force(text: str, symbol: str, expected: Unit) -> str:
+    """Suggest the unit of force for a tension written in kilograms or pounds."""
+    force = re.sub(r"\b(kg|lb)\b", r"\1f", symbol)
+    if force == symbol or parse_unit(force).dimension != expected.dimension:
+        return ""
+    return f"; did you mean '{text.strip().removesuffix(symbol)}{force}'?"
 
 
 def _scaled(digits: str, factor: float) -> float:
@@ -206,7 +228,7 @@ def _finite(number: Real | float, given: object, unit: str) -> float:
     except OverflowError:
         result = math.inf
     if not math.isfinite(result):
-        raise UnitError(f"got {_shown(given)}, not a finite number; expected {expectation(unit)}")
+        raise UnitError(f"got {shown(given)}, not a finite number; expected {expectation(unit)}")
     return result
 
 
@@ -215,14 +237,6 @@ def _kind_of(dimension: Dimension) -> str:
         if (parse_unit(unit).dimension if unit else Dimension()) == dimension:
             return kind
     return "another kind of quantity"
-
-
-def _shown(value: object) -> str:
-    """Quote a value for a message, shortened where it is long."""
-    if value is None:
-        return "nothing"
-    text = repr(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class _UnitParser:

@@ -29,7 +29,7 @@ def test_escapes_in_a_result(invoke: Invoke, short_run: tuple[Path, object]) -> 
     """Titles in a result file of somebody else do not reach the terminal as orders."""
     run = tw.load_run(short_run[0] / "run.nc")
     nasty = run.case.with_(title=f"line {ESCAPE}", name="x")
-    dataclasses.replace(run, case=nasty).save("nasty.nc")
+    tw.save_run(dataclasses.replace(run, case=nasty), "nasty.nc")
     outcome = invoke("losses", "nasty.nc")
     told = outcome.out + outcome.err
     assert outcome.code == 0

@@ -17,16 +17,16 @@ from tautwire.text import csv_text, printable, shortened, unprintable
 
 HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"
 SECRET = "correct horse battery staple"
-PATIENCE = 10.0
-"""Seconds: five times what a refusal may take (2 s on a free machine); machines are busy."""
+PATIENCE = 6.0
+"""Seconds of processor time: three times what a refusal may take (2 s), for slow machines."""
 
 
 def refused(path: Path | str) -> list[str]:
     """Load a case that must be refused in time and return what is said."""
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError) as caught:
         load_case(path)
-    assert time.perf_counter() - start < PATIENCE
+    assert time.process_time() - start < PATIENCE
     return list(caught.value.problems)
 
 
@@ -147,10 +147,10 @@ def test_record_full_of_faults(tmp_path: Path) -> None:
     """A long record is left after a thousand faults; what is told fits on a screen."""
     path = tmp_path / "run.csv"
     path.write_text("position,force\n" + "".join(f"{i},much\n" for i in range(500_000)))
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError) as caught:
         read_measured(path)
-    assert time.perf_counter() - start < PATIENCE
+    assert time.process_time() - start < PATIENCE
     assert len(caught.value.problems) == SHOWN + 1
     assert caught.value.problems[-2].endswith("(and 995 more like this)")
     assert caught.value.problems[-1].endswith("the rows after these were not looked at")

@@ -271,14 +271,14 @@ def test_profile_of_the_running_surface(tmp_path: Path) -> None:
     ("table", "words"),
     [
         ("x,height\n1,0\n2,\n", "line 3, column 'height': is empty; fill the column"),
-        ("x,height\n1,0\n1,1\n", "line 3, column 'x': got 1 m after 1 m; must increase"),
-        ("x,height\n1,0\n", "has one row; a profile has at least two ordinates"),
+        ("x,height [mm]\n1,0\n1,1\n", "line 3, column 'x'): got 1 after 1; must increase"),
+        ("x,height\n1,0\n", "irregularities.unevenness[1].x: has 1 values; give at least 2"),
         ("x,height [kg]\n1,0\n", "the unit does not fit; expected a length [m]"),
         ("x,heigth\n1,0\n", "unknown column 'heigth'; did you mean 'height'?"),
         ("x,height [mm]\n1,a\n", "line 2, column 'height [mm]': got 'a'; cells hold plain"),
         (
             "x,height\n1,0\n2,0.7\n",
-            "unevenness[1].height[2]: got 0.7; must be at most 0.5 m",
+            "line 3, column 'height'): got 0.7; must be at most 0.5 m",
         ),
     ],
     ids=range(7),

@@ -109,6 +109,19 @@ def test_tables_of_many_countries(
     assert case.supports.encumbrances(5)[0] == pytest.approx(1.6)
 
 
+def test_positions_that_do_not_begin_at_zero_are_chainage(tmp_path: Path) -> None:
+    """A table whose x begins at 12.300 km keeps it as chainage, named in the case and alone."""
+    masts = table(tmp_path / "m.csv", "support;x [km];encumbrance [m]\n1;12,3;1,4\n2;12,355;1,4\n")
+    (tmp_path / "line.yaml").write_text(
+        "schema: 1\ninclude: ac-simple\ntables: {supports: m.csv}\n", encoding="utf-8"
+    )
+    for path in (masts, tmp_path / "line.yaml"):
+        line = load_case(path).line
+        assert line.chainage == pytest.approx((12300.0, 12355.0))
+        assert line.span_lengths() == pytest.approx((55.0,))
+        assert line.place_of_support(1) == "km 12.355"
+
+
 def test_falling_chainage_keeps_sides(tmp_path: Path) -> None:
     """Rows with falling chainage keep their order; staggers keep their side of rising chainage."""
     text = "Mast,Chainage [m],Stagger [m]\nA,500,0.2\nB,440,-0.2\nC,385,0.1\nD,330,0\n"

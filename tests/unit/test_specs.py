@@ -10,6 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from tautwire.inputs.load import load_case
+from tautwire.inputs.paths import find_target, parse_path
 from tautwire.specs import (
     Arm,
     Case,
@@ -28,7 +29,7 @@ from tautwire.specs import (
     Wire,
     case_json_schema,
 )
-from tautwire.specs.not_modelled import NOT_MODELLED, feature_of
+from tautwire.specs.vocabulary import Meaning, features, meaning_of, renamed_keys, words_for
 
 STAGE = {"mass": 7.5, "stiffness": 7000.0, "damping": 45.0}
 
@@ -307,25 +308,34 @@ def test_json_schema_knows_includes_and_tables() -> None:
     assert {"required": ["include"]} in schema["$defs"]["Pantograph"]["anyOf"]
     assert set(schema["properties"]["tables"]["properties"]) == {"supports", "droppers"}
     assert {"required": ["table"]} in schema["$defs"]["RoofMotion"]["anyOf"]
-    assert schema["properties"]["schema"]["const"] == 1
+    assert schema["properties"]["schema"]["enum"] == [1, 2]
     assert "oneOf" not in json.dumps(schema)
 
 
-@pytest.mark.parametrize("feature", NOT_MODELLED)
-def test_features_are_found_by_their_keys(feature: str) -> None:
-    """Every feature is recognised by each of its keys, in any spelling."""
-    assert all(
-        feature_of(word) == feature
-        for key in NOT_MODELLED[feature]
-        for word in (key, key.upper(), key.replace("_", "-"), key.replace("_", " "))
-    )
-    assert feature_of("tension") is None
+@pytest.mark.parametrize("feature", features())
+def test_features_are_found_by_their_words(feature: str) -> None:
+    """Every feature is recognised by each of its words, in any spelling, one or several."""
+    for entry in words_for(feature):
+        above, _, word = entry.rpartition(".")
+        for spelling in (word, word.upper(), word.replace("_", "-"), word.replace("_", " ")):
+            assert meaning_of(spelling, f"{above}.contact") == Meaning(feature=feature), spelling
+        assert meaning_of(f"{word}s", above) == Meaning(feature=feature)
+    assert meaning_of("tension") is None
+
+
+def test_words_for_keys_lead_to_keys() -> None:
+    """Every path of the vocabulary exists, and no word stands for two things."""
+    words = [word for name in (*features(), *renamed_keys()) for word in words_for(name)]
+    assert len(words) == len(set(words))
+    assert all(find_target(parse_path(path)).field is not None for path in renamed_keys())
+    assert meaning_of("Systemhöhe") == Meaning(key="supports.encumbrance")
+    assert meaning_of("systemHeight") == Meaning(key="supports.encumbrance")
 
 
 def test_no_field_is_called_not_modelled() -> None:
-    """No key of the input format is on the list of what is not modelled."""
+    """No key of the input format is a word for what is not modelled."""
     schema = case_json_schema()
     keys = {
         key for spec in [schema, *schema["$defs"].values()] for key in spec.get("properties", {})
     }
-    assert not [key for key in keys if feature_of(key)]
+    assert not [key for key in keys if (found := meaning_of(key)) and found.feature]

@@ -41,6 +41,15 @@ GOOD = [
     ("100 GPa", "N/m^2", 1e11),
     ("1500 kgf", "N", 14709.975),
     ("100 mph", "m/s", 44.704),
+    ("90 kph", "m/s", 25.0),
+    ("150 ft", "m", 45.72),
+    ("9 in", "m", 0.2286),
+    ("2 mi", "m", 3218.688),
+    ("3000 lbf", "N", 13344.664845781499),
+    ("6 kip", "N", 26689.329691562998),
+    ("1.063 lb/ft", "kg/m", 1.5819182720144356),
+    ("40 lbf/in", "N/m", 7005.073409859055),
+    ("1000 kp", "N", 9806.65),
     ("9.81 m/s^2", "m/s^2", 9.81),
     ("−5 mm", "m", -0.005),
     ("1e-4", "s", 1e-4),
@@ -116,6 +125,19 @@ def test_numbers_survive(number: float) -> None:
     """A number written out is read back exactly, with and without its SI unit."""
     assert parse_quantity(repr(number), "N") == number
     assert parse_quantity(f"{number!r} N", "N") == number
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "meant"),
+    [("3000 lb", "N", "3000 lbf"), ("1500 kg", "N", "1500 kgf"), ("40 lb/in", "N/m", "40 lbf/in")],
+)
+def test_mass_in_place_of_a_force(text: str, unit: str, meant: str) -> None:
+    """A tension in kilograms or pounds is refused with the unit of force that is likely meant."""
+    with pytest.raises(UnitError, match=f"did you mean '{meant}'"):
+        parse_quantity(text, unit)
+    with pytest.raises(UnitError, match="which is a length; expected a force") as caught:
+        parse_quantity("3 ft", "N")
+    assert "did you mean" not in str(caught.value)
 
 
 @given(st.text(max_size=30))

@@ -20,8 +20,7 @@ from tautwire.inputs.documents import parse_document
 from tautwire.inputs.files import read_case_text
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.paths import PathError, fields_by_key, find_target, format_path
-from tautwire.specs.base import Spec
+from tautwire.inputs.paths import fields_by_key, format_path, spec_at
 
 USE = "use"
 Sources = list[dict[str, str]]
@@ -94,7 +93,7 @@ def write_out(
         When a name is unknown, or nothing of the catalogue belongs here.
     """
     place = format_path((*at, USE))
-    spec = _spec_at(at)
+    spec = spec_at(at)
     if spec is None or not spec.catalogue_kinds:
         raise InputError(
             f"{place}: nothing of the catalogue belongs here; 'use' stands in a wire, in "
@@ -139,13 +138,6 @@ def _variants(part: Part, own: Mapping[str, Any]) -> dict[str, Number]:
         and _WORDS.get(word, "").startswith(key)
         and _WORDS[word] in numbers
     }
-
-
-def _spec_at(at: ValuePath) -> type[Spec] | None:
-    try:
-        return find_target(at).spec
-    except PathError:
-        return None
 
 
 def _plain(node: Any) -> Any:

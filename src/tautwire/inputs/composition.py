@@ -18,9 +18,8 @@ from tautwire.inputs.documents import SUFFIXES, parse_document
 from tautwire.inputs.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.line_tables import (
     Overlay,
+    read_columns,
     read_dropper_table,
-    read_profile_table,
-    read_roof_table,
     read_support_table,
 )
 from tautwire.inputs.merge import merge
@@ -31,10 +30,13 @@ from tautwire.inputs.paths import (
     find_target,
     format_path,
     parse_path,
+    spec_at,
     value_at,
 )
 from tautwire.inputs.reach import Reach
-from tautwire.specs.case import SCHEMA_VERSION
+from tautwire.inputs.tables import Cells, Column
+from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
+from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
 """Documents that one case may be put together from."""
@@ -48,7 +50,8 @@ _TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
 }
 _OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
-_UNEVENNESS = ("irregularities", "unevenness")
+TABLE = "table"
+"""Key of a mapping whose columns stand in a CSV file."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +90,8 @@ class Composition:
         Name of the case file in messages.
     values
         The case as plain data.
-    origins
-        Cells of tables from which single values were read.
+    cells
+        By the path of a list that came from a table: what names the cell of each item.
     problems
         Sentences about tables that could not be used.
     incomplete
@@ -99,7 +102,7 @@ class Composition:
 
     label: str
     values: dict[str, Any] = field(default_factory=dict)
-    origins: dict[ValuePath, str] = field(default_factory=dict)
+    cells: dict[ValuePath, Cells] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
     incomplete: set[str] = field(default_factory=set)
     shelf: Shelf = field(default_factory=package_shelf)
@@ -195,13 +198,14 @@ class _Composer:
         _refuse_foreign(document, at)
         own = dict(document.content)
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
+        own = upgraded(own)
         if at:
             own.pop("schema", None)
         tables, template = own.pop("tables", None), own.pop("template", None)
         sources = _own_sources(own.pop("sources", []), at, document.label)
         outer = self.result.shelf
         self._take_own_catalogue(own.pop("catalogue", None), document)
-        overlay = self._tables(tables, own, document)
+        overlay, from_tables = self._tables(tables, own, document)
         part = self._mapping(own, at, document, (*trail, document))
         if trail:
             self.result.shelf = outer
@@ -209,7 +213,7 @@ class _Composer:
         kept = _still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
         sources = inheritance.still_stated(sources, document.content, overlay, at)
-        return _Part(values, _united(begun, kept, _sources_of_tables(tables, overlay), sources))
+        return _Part(values, _united(begun, kept, from_tables, sources))
 
     def _take_own_catalogue(self, given: Any, document: Document) -> None:
         """Put the own catalogue files of a document before what its includers brought."""
@@ -263,11 +267,13 @@ class _Composer:
             if not isinstance(reference, str):
                 place = format_path((*at, "include"))
                 raise InputError(
-                    f"{document.label}: {place}: got {reference!r}; give one library name or file"
+                    f"{document.label}: {place}: got {shown(reference)}; give one library name or "
+                    "file"
                 )
             base = self.document(self._included(reference, document), at, trail)
             if not at:
                 base = self._inherited(base, reference, document)
+        own = self._with_columns(own, at, document)
         used = self._used(own, at, document)
         values: dict[str, Any] = {}
         sources: Sources = []
@@ -306,10 +312,6 @@ class _Composer:
         """Compose one value; the part holds it under the last step of its path."""
         key = str(at[-1])
         if isinstance(value, Mapping):
-            if "table" in value and at[-1] == "roof_motion":
-                return _Part({key: self._roof(value, at, document)}, [])
-            if "table" in value and at[:2] == _UNEVENNESS:
-                return _Part({key: self._profile(value, at, document)}, [])
             part = self._mapping(value, at, document, trail)
             return _Part({key: part.values}, part.sources)
         if isinstance(value, list):
@@ -318,48 +320,40 @@ class _Composer:
             return _Part({key: items}, [source for part in parts for source in part.sources])
         return _Part({key: value}, [])
 
-    def _roof(self, value: Mapping[str, Any], at: ValuePath, document: Document) -> Any:
-        table = value["table"]
-        if not isinstance(table, str) or len(value) > 1:
+    def _with_columns(
+        self, own: dict[str, Any], at: ValuePath, document: Document
+    ) -> dict[str, Any]:
+        """Put the columns of a table in the place of the key 'table', where the spec has some."""
+        spec = spec_at(at)
+        if TABLE not in own or spec is None or not spec.table_columns:
+            return own
+        names, place = spec.table_columns, format_path(at)
+        rest = {key: value for key, value in own.items() if key != TABLE}
+        if not isinstance(own[TABLE], str) or not rest.keys().isdisjoint(names):
             raise InputError(
-                f"{document.label}: {format_path(at)}: give {{table: file.csv}} alone, or time "
-                "and height"
+                f"{document.label}: {place}: give either {{table: file.csv}} or "
+                f"{' and '.join(names)}"
             )
-        return self._columns(read_roof_table, table, at, document)
-
-    def _profile(self, value: Mapping[str, Any], at: ValuePath, document: Document) -> Any:
-        table = value["table"]
-        if not isinstance(table, str) or value.get("kind") != "profile" or len(value) > 2:
-            raise InputError(
-                f"{document.label}: {format_path(at)}: give {{kind: profile, table: file.csv}}, or "
-                "kind, x and height"
-            )
-        columns = self._columns(read_profile_table, table, at, document)
-        return {"kind": "profile", **columns} if columns else None
-
-    def _columns(
-        self,
-        read: Callable[[Path], dict[str, list[float]]],
-        table: str,
-        at: ValuePath,
-        document: Document,
-    ) -> dict[str, list[float]] | None:
-        """Read a table that stands for the columns of a mapping; None when it cannot be used."""
         try:
-            return read(self._table_path(table, document))
+            found = read_columns(self._table_path(own[TABLE], document), _columns_at(at, names))
         except InputError as error:
             self.result.problems += error.problems
-            self.result.incomplete.add(str(at[0]))
-            return None
+            self.result.incomplete.add(place)
+            return rest
+        self.result.cells |= {(*at, name): cell for name, cell in found.cells.items()}
+        return {**rest, **found.values}
 
     def _table_path(self, file: str, document: Document) -> Path:
         path = (document.folder or Path()) / file
         self._reach.check(path, document.label)
         return path
 
-    def _tables(self, tables: object, own: Mapping[str, Any], document: Document) -> dict[str, Any]:
-        """Read the tables of a document and return what they say about the case."""
+    def _tables(
+        self, tables: object, own: Mapping[str, Any], document: Document
+    ) -> tuple[dict[str, Any], Sources]:
+        """Read the tables of a document; return what they say about the case, and the sources."""
         overlay: dict[str, Any] = {}
+        sources: Sources = []
         for name, file in _table_files(tables, document.label).items():
             read, parts = _TABLES[name]
             try:
@@ -370,15 +364,20 @@ class _Composer:
                 self.result.incomplete.update(parts)
                 continue
             self.result.problems += _given_twice(found.values, own, path, document.label)
-            self.result.origins.update(found.origins)
+            self.result.cells.update(found.cells)
             overlay = merge(overlay, found.values)
-        return overlay
+            sources += [
+                {"path": f"{section}.{key}", "source": f"Table {file}", "confidence": "one source"}
+                for section, values in found.values.items()
+                for key in values
+            ]
+        return overlay, sources
 
 
 def _refuse_foreign(document: Document, at: ValuePath) -> None:
     """Refuse a file that has no key of a case, without a word of its content."""
-    target = find_target(at).spec if _leads_somewhere(at) else None
-    own = fields_by_key(target) if target is not None else {}
+    spec = spec_at(at)
+    own = fields_by_key(spec) if spec is not None else {}
     if own and document.content and not {*own, *_OWN_KEYS} & document.content.keys():
         raise InputError(
             f"{document.label}: holds none of the keys of {format_path(at) or 'a case'}, which are "
@@ -386,20 +385,18 @@ def _refuse_foreign(document: Document, at: ValuePath) -> None:
         )
 
 
-def _leads_somewhere(at: ValuePath) -> bool:
-    try:
-        find_target(at)
-    except PathError:
-        return False
-    return True
+def _columns_at(at: ValuePath, names: tuple[str, ...]) -> list[Column]:
+    quantities = ((name, find_target((*at, name)).quantity) for name in names)
+    return [Column(name, q.unit if q is not None else "", required=True) for name, q in quantities]
 
 
 def _check_schema(version: object, label: str) -> None:
-    if version != SCHEMA_VERSION or isinstance(version, bool):
+    if version not in READ_VERSIONS or isinstance(version, bool):
         raise InputError(
-            f"{label}: schema: got {version!r}; this program reads version {SCHEMA_VERSION} of the "
-            f"input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the input "
-            "reference if it was written for another version"
+            f"{label}: schema: got {shown(version)}; this program reads versions 1 and "
+            f"{SCHEMA_VERSION} of the input format. Write 'schema: {SCHEMA_VERSION}', and compare "
+            "the file with the "
+            "input reference if it was written for another version"
         )
 
 
@@ -414,7 +411,9 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
             hint = did_you_mean(name, _TABLES) or f"; known are: {', '.join(_TABLES)}"
             problems.append(f"{label}: tables.{name}: unknown table{hint}")
         elif not isinstance(file, str):
-            problems.append(f"{label}: tables.{name}: got {file!r}; give the path of a CSV file")
+            problems.append(
+                f"{label}: tables.{name}: got {shown(file)}; give the path of a CSV file"
+            )
     if problems:
         raise InputError(problems)
     return tables
@@ -448,22 +447,6 @@ def _own_sources(sources: Any, at: ValuePath, label: str) -> Sources:
         if isinstance(item, dict) and "path" in item
         else item
         for item in sources
-    ]
-
-
-def _sources_of_tables(tables: Any, overlay: Mapping[str, Any]) -> Sources:
-    """Name the table files as sources of what they give."""
-    if not overlay:
-        return []
-    file_of = {"line": tables.get("supports"), **tables}
-    return [
-        {
-            "path": f"{section}.{key}",
-            "source": f"Table {file_of[section]}",
-            "confidence": "one source",
-        }
-        for section, values in overlay.items()
-        for key in values
     ]
 
 

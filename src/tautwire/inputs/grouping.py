@@ -13,7 +13,9 @@ SHOWN = 5
 _VARIES = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|[0-9][0-9.e+-]*")
 
 
-def thinned(items: Iterable[tuple[T, int]], kind: Callable[[T], Hashable]) -> list[tuple[T, int]]:
+def thinned(
+    items: Iterable[tuple[T, int]], kind: Callable[[T], Hashable], shown: int = SHOWN
+) -> list[tuple[T, int]]:
     """Keep the first few items of every kind.
 
     Parameters
@@ -22,6 +24,8 @@ def thinned(items: Iterable[tuple[T, int]], kind: Callable[[T], Hashable]) -> li
         Items, each with the number of items like it that were left out before.
     kind
         Tells the kind of an item.
+    shown
+        Items of a kind that are kept.
 
     Returns
     -------
@@ -34,7 +38,7 @@ def thinned(items: Iterable[tuple[T, int]], kind: Callable[[T], Hashable]) -> li
     for item, more in items:
         key = kind(item)
         count, before = latest.get(key, (0, None))
-        if before is not None and count >= SHOWN:
+        if before is not None and count >= shown:
             before[1] += 1 + more
             continue
         entry = [item, more]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.tables import COUNT, Column, Table, read_table
+from tautwire.inputs.tables import COUNT, Cells, Column, Table, read_table
 from tautwire.specs.line.catenary import MOST_SPANS
 
 SUPPORT_COLUMNS = (
@@ -38,12 +39,24 @@ DROPPER_COLUMNS = (
 )
 MOST_DROPPER_ROWS = 50 * MOST_SPANS
 """Rows of a dropper table: fifty to a span are more than twice as many as any built line has."""
-MOST_PROFILE_ROWS = 200_000
-"""Rows of a profile: 20 km at 0.1 m, the finest spacing of recorders."""
-MOST_ROOF_ROWS = 100_000
-"""Rows of a roof motion: 100 s at 1 kHz."""
-ROOF_COLUMNS = (Column("time", "s", required=True), Column("height", "m", required=True))
-PROFILE_COLUMNS = (Column("x", "m", required=True), Column("height", "m", required=True))
+MOST_ROWS = 200_000
+"""Rows of a table that stands for lists: 20 km of a profile at 0.1 m, 200 s of a roof at 1 kHz."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Lists read from the columns of a table.
+
+    Attributes
+    ----------
+    values
+        Numbers by column name.
+    cells
+        What names the cell of each number.
+    """
+
+    values: dict[str, list[float]]
+    cells: dict[str, Cells]
 
 
 @dataclass(frozen=True)
@@ -54,12 +67,12 @@ class Overlay:
     ----------
     values
         Part of a case as plain data, to be merged into it.
-    origins
-        The cell from which each single value was read.
+    cells
+        By the path of a list: what names the cell of each of its items.
     """
 
     values: dict[str, Any]
-    origins: dict[ValuePath, str]
+    cells: dict[ValuePath, Cells]
 
 
 _DROPPER_KEYS = (
@@ -93,19 +106,19 @@ def read_support_table(path: Path) -> Overlay:
         if column.name in table.columns and column.name not in ("support", "x", "span_length")
     ]
     supports: dict[str, Any] = {}
-    origins: dict[ValuePath, str] = {}
+    cells: dict[ValuePath, Cells] = {}
     for name in names:
         is_arm = name.startswith("arm_end")
         supports[name] = table.columns[name] if is_arm else table.full_column(name)
-        for row in range(len(table.lines)):
-            origins["supports", name, row] = table.cell(row, name)
+        cells["supports", name] = partial(table.cell, name=name)
     table.raise_problems()
     line: dict[str, Any] = {"spans": len(table.lines) - 1}
     if length_name:
         line["span_length"] = lengths
-        for row in range(len(lengths)):
-            origins["line", "span_length", row] = table.cell(row, length_name)
-    return Overlay({"line": line} | ({"supports": supports} if supports else {}), origins)
+        cells["line", "span_length"] = partial(table.cell, name=length_name)
+    if length_name == "x" and table.columns["x"][0] != 0.0:
+        line["chainage"] = table.full_column("x")  # not counted from the first support
+    return Overlay({"line": line} | ({"supports": supports} if supports else {}), cells)
 
 
 def read_dropper_table(path: Path) -> Overlay:
@@ -124,58 +137,45 @@ def read_dropper_table(path: Path) -> Overlay:
     numbers = [int(n) for n in table.full_column("dropper")]
     spans = _check_order(table, [int(n) for n in table.full_column("span")], numbers)
     droppers: dict[str, Any] = {}
-    origins: dict[ValuePath, str] = {}
+    cells: dict[ValuePath, Cells] = {}
     for name, key in _DROPPER_KEYS:
         if name not in table.columns:
             continue
         values = table.full_column(name)
         droppers[key] = [[values[row] for row in rows] for rows in spans]
         for span, rows in enumerate(spans):
-            for number, row in enumerate(rows):
-                origins["droppers", key, span, number] = table.cell(row, name)
+            cells["droppers", key, span] = partial(_cell_of, table, rows, name)
     if "presag" not in droppers and "lengths" not in droppers:
         table.problems.append(
             f"{path}: has neither a column 'presag' nor a column 'length'; add one of them"
         )
     table.raise_problems()
-    return Overlay({"droppers": droppers}, origins)
+    return Overlay({"droppers": droppers}, cells)
 
 
-def read_roof_table(path: Path) -> dict[str, list[float]]:
-    """Read the motion of a roof: columns ``time`` and ``height``.
+def _cell_of(table: Table, rows: Sequence[int], name: str, number: int) -> str:
+    return table.cell(rows[number], name)
+
+
+def read_columns(path: Path, columns: Sequence[Column]) -> Columns:
+    """Read a table that stands for lists of one mapping, such as the motion of a roof over time.
+
+    Parameters
+    ----------
+    path
+        CSV file.
+    columns
+        All of them are needed.
 
     Raises
     ------
     InputError
         Naming line and column of everything that is wrong.
     """
-    return _columns(read_table(path, ROOF_COLUMNS, most_rows=MOST_ROOF_ROWS), ROOF_COLUMNS)
-
-
-def read_profile_table(path: Path) -> dict[str, list[float]]:
-    """Read a measured profile of the running surface: columns ``x`` and ``height``.
-
-    Raises
-    ------
-    InputError
-        Naming line and column of everything that is wrong.
-    """
-    table = read_table(path, PROFILE_COLUMNS, most_rows=MOST_PROFILE_ROWS)
-    x = table.full_column("x")
-    if len(x) < 2:
-        table.problems.append(f"{path}: has one row; a profile has at least two ordinates")
-    for row, (before, after) in enumerate(pairwise(x), start=1):
-        if after <= before:
-            table.complain(row, "x", f"got {after:g} m after {before:g} m; must increase")
-            break
-    return _columns(table, PROFILE_COLUMNS)
-
-
-def _columns(table: Table, columns: Sequence[Column]) -> dict[str, list[float]]:
-    """Return complete columns by name."""
+    table = read_table(path, columns, most_rows=MOST_ROWS)
     values = {column.name: table.full_column(column.name) for column in columns}
     table.raise_problems()
-    return values
+    return Columns(values, {name: partial(table.cell, name=name) for name in values})
 
 
 def _check_count(table: Table, name: str, numbers: Sequence[float]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,12 @@ from tautwire.inputs.composition import Composition, compose, compose_data
 from tautwire.inputs.grouping import grouped
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
-from tautwire.inputs.paths import PathError, find_target, parse_path
+from tautwire.inputs.paths import Path as ValuePath
+from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
 from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
-from tautwire.specs.case import SCHEMA_VERSION, Case
+from tautwire.specs.case import Case
+from tautwire.specs.settings import NOT_GIVEN
+from tautwire.specs.upgrade import SCHEMA_VERSION
 
 
 def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:
@@ -76,8 +80,15 @@ def _compose_workbook(path: Path) -> Composition:
     data, tables = case_of(open_workbook(path))
     composition = compose_data(data)
     composition.label = str(path)
-    composition.origins.update(tables.origins)
+    by_list: dict[ValuePath, dict[int, str]] = {}
+    for (*above, item), cell in tables.origins.items():
+        by_list.setdefault(tuple(above), {})[int(item)] = cell
+    composition.cells |= {path: partial(_named_cell, cells) for path, cells in by_list.items()}
     return composition
+
+
+def _named_cell(cells: Mapping[int, str], item: int) -> str:
+    return cells.get(item, "")
 
 
 def _refuse_pantograph(reference: str | Path) -> None:
@@ -98,19 +109,40 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
             f"schema: is missing; write 'schema: {SCHEMA_VERSION}', the version of the input format"
         )
     problems += _unknown_sources(data)
+    _state_defaults(data)
     case = None
     try:
         case = Case.model_validate(data)
     except ValidationError as error:
         problems += [
             sentence
-            for sentence in describe(error, data, composition.origins)
+            for sentence in describe(error, data, composition.cells)
             if not sentence.startswith(tuple(composition.incomplete))
         ]
     told = [*composition.problems, *(f"{composition.label}: {text}" for text in problems)]
     if case is None or told:
         raise InputError(told)
     return case
+
+
+STATED_DEFAULTS: dict[ValuePath, str] = {
+    ("settings", "contact_stiffness"): "the value of the reference model of EN 50318:2002 is used"
+}
+"""Values that no line or pantograph determines, and what is used where they are not given."""
+
+
+def _state_defaults(data: dict[str, Any]) -> None:
+    """Add to the sources of a case that values were chosen because none were given."""
+    sources = data.get("sources", [])
+    if not isinstance(sources, (list, tuple)):
+        return
+    marks = [
+        {"path": format_path(path), "source": f"{NOT_GIVEN}; {text}", "confidence": "choice"}
+        for path, text in STATED_DEFAULTS.items()
+        if value_at(data, path) is None
+    ]
+    if marks:
+        data["sources"] = [*sources, *marks]
 
 
 def _unknown_sources(data: Mapping[str, Any]) -> list[str]:

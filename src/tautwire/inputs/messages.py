@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence, Set
 from itertools import accumulate
 from typing import Any
 
@@ -14,6 +14,7 @@ from tautwire.inputs.files import did_you_mean
 from tautwire.inputs.grouping import pattern, thinned, with_count
 from tautwire.inputs.paths import (
     Path,
+    PathError,
     Target,
     fields_by_key,
     find_target,
@@ -22,6 +23,7 @@ from tautwire.inputs.paths import (
     value_at,
     without_forms,
 )
+from tautwire.inputs.tables import Cells
 from tautwire.specs.base import (
     LIST,
     MAPPING,
@@ -33,6 +35,7 @@ from tautwire.specs.base import (
 )
 from tautwire.specs.case import Case
 from tautwire.specs.checks import find_contradictions
+from tautwire.text import shown
 from tautwire.units import UnitError, expectation, parse_quantity
 
 Data = Mapping[str, Any]
@@ -43,6 +46,10 @@ _BOUNDS = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
+NOT_MODELLED = "not modelled yet"
+LOOKED_AT = 100
+"""Faults of one type in one field that are put into words; the others are counted. The words for an
+unknown key take a search for the likest one."""
 _FORMS = {
     SCALAR: "a single value",
     LIST: "a list [...]",
@@ -58,11 +65,11 @@ _EXPECTED = {
     "tuple_type": "a list, as in [1, 2, 3]",
     "string_too_short": "a text that is not empty",
     "string_too_long": "a shorter text",
-    "string_pattern_mismatch": "a name without slashes and control characters",
+    "string_pattern_mismatch": "a name without control characters",
 }
 
 
-def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) -> list[str]:
+def describe(error: ValidationError, data: Data, cells: Mapping[Path, Cells]) -> list[str]:
     """Write one sentence per fault, contradictions between the valid parts included.
 
     Parameters
@@ -71,15 +78,21 @@ def describe(error: ValidationError, data: Data, origins: Mapping[Path, str]) ->
         What validation of the case raised.
     data
         The case as plain data, as the user wrote it.
-    origins
-        Where single values were read from, such as a cell of a table.
+    cells
+        By the path of a list that came from a table: what names the cell of each item.
     """
-    faults = thinned(((fault, 0) for fault in error.errors(include_url=False)), _kind_of_fault)
-    problems = [(problem, more) for fault, more in faults for problem in _problems(fault, data)]
+    every = [(fault, 0) for fault in error.errors(include_url=False)]
+    faults = thinned(every, _kind_of_fault, LOOKED_AT)
+    problems: dict[Problem, int] = {}
+    for fault, more in faults:
+        for problem in _problems(fault, data):
+            problems[problem] = problems.get(problem, 0) + more
     if all(fault["loc"] for fault, _ in faults):
-        problems += [(problem, 0) for problem in find_contradictions(_valid_parts(data))]
-    told = thinned(dict.fromkeys(problems), _kind_of_problem)
-    return [with_count(_sentence(problem, data, origins), more) for problem, more in told]
+        for problem in _hidden_problems([fault for fault, _ in every], data):
+            problems.setdefault(problem, 0)
+    told = thinned(problems.items(), _kind_of_problem)
+    told.sort(key=lambda item: not item[0].text.startswith(NOT_MODELLED))  # causes go first
+    return [with_count(_sentence(problem, data, cells), more) for problem, more in told]
 
 
 def _kind_of_fault(fault: ErrorDetails) -> tuple[str, ...]:
@@ -90,8 +103,8 @@ def _kind_of_fault(fault: ErrorDetails) -> tuple[str, ...]:
 
 def _kind_of_problem(problem: Problem) -> tuple[str, ...]:
     names = [step for step in problem.path if isinstance(step, str)]
-    is_unknown_key = problem.text.startswith(("unknown key", "not modelled"))
-    return (pattern(problem.text), *(names[:-1] if is_unknown_key else names))
+    is_unknown_key = problem.text.startswith(("unknown key", NOT_MODELLED))
+    return (problem.text, *names[:-1]) if is_unknown_key else (pattern(problem.text), *names)
 
 
 def place_of(path: Path, data: Data) -> str:
@@ -117,9 +130,12 @@ def place_of(path: Path, data: Data) -> str:
             return ""
 
 
-def _sentence(problem: Problem, data: Data, origins: Mapping[Path, str]) -> str:
+def _sentence(problem: Problem, data: Data, cells: Mapping[Path, Cells]) -> str:
     where = format_path(problem.path) or "the case"
-    notes = (origins.get(problem.path, ""), place_of(problem.path, data))
+    *above, last = problem.path or ("",)
+    cell_of = cells.get(tuple(above))
+    cell = cell_of(last) if cell_of is not None and isinstance(last, int) else ""
+    notes = (cell, place_of(problem.path, data))
     note = "; ".join(filter(None, notes))
     return f"{where} ({note}): {problem.text}" if note else f"{where}: {problem.text}"
 
@@ -153,12 +169,13 @@ def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
     kind, limits = fault["type"], fault.get("ctx", {})
     if kind == "extra_forbidden":
         parent = find_target(path[:-1]).spec
-        return unknown_key(str(path[-1]), fields_by_key(parent) if parent is not None else {})
+        fields = fields_by_key(parent) if parent is not None else {}
+        return unknown_key(str(path[-1]), fields, format_path(path[:-1]))
     target = find_target(path)
     if kind == "missing":
         return f"is missing: {_description(target)}{_wanted_quantity(target.quantity)}"
     written = value_at(data, path)
-    got = f"got {_shown(fault['input'] if written is None else written)}"
+    got = f"got {shown(fault['input'] if written is None else written)}"
     if kind in _BOUNDS:
         return got + _out_of_range(fault, target, written)
     if kind == "literal_error":
@@ -216,9 +233,56 @@ def _slip(quantity: Quantity, written: Any) -> str:
     return f"; did you mean '{text}'?" if low <= value <= high else ""
 
 
-def _shown(value: object) -> str:
-    text = "nothing" if value is None else repr(value).removesuffix(".0")
-    return text if len(text) <= 60 else text[:57] + "..."
+def _hidden_problems(faults: Sequence[ErrorDetails], data: Data) -> Iterator[Problem]:
+    """Yield what the faults hide: fields that are checked together only when each of them is valid.
+
+    The case is looked at again without its unknown keys and without the faulty values that may be
+    left out. What is then said about one of these values, or in its words, is not true of the case
+    and is dropped.
+    """
+    removed = {path for fault in faults if (path := _removable(fault, data))}
+    words = {str(path[-1]) for path in removed}
+    for problem in _problems_of_rest(_without(data, removed)):
+        above = {problem.path[:depth] for depth in range(1, len(problem.path) + 1)}
+        if above.isdisjoint(removed) and words.isdisjoint(re.findall(r"\w+", problem.text)):
+            yield problem
+
+
+def _problems_of_rest(rest: Data) -> Iterator[Problem]:
+    try:
+        Case.model_validate(rest)
+    except ValidationError as error:
+        faults = [fault for fault in error.errors(include_url=False) if fault["loc"]]
+        for fault, _ in thinned(((fault, 0) for fault in faults), _kind_of_fault, LOOKED_AT):
+            yield from _problems(fault, rest)
+        yield from find_contradictions(_valid_parts(rest))
+
+
+def _removable(fault: ErrorDetails, data: Data) -> Path:
+    """Return the path of what a case can do without: an unknown key, a value with a default."""
+    path = _as_written(without_forms(fault["loc"]), data)
+    if fault["type"] == "extra_forbidden":
+        return path
+    while path and isinstance(path[-1], int):
+        path = path[:-1]
+    try:
+        field = find_target(path).field
+    except PathError:
+        return ()
+    return path if field is not None and not field.is_required() else ()
+
+
+def _without(node: Any, removed: Set[Path], at: Path = ()) -> Any:
+    """Return plain data without the values at some paths."""
+    if isinstance(node, Mapping):
+        return {
+            key: _without(value, removed, (*at, key))
+            for key, value in node.items()
+            if (*at, key) not in removed
+        }
+    if isinstance(node, (list, tuple)) and any(isinstance(item, Mapping) for item in node):
+        return [_without(item, removed, (*at, number)) for number, item in enumerate(node)]
+    return node
 
 
 def _valid_parts(data: Data) -> dict[str, Any]:

@@ -10,15 +10,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
+from pydantic import Tag
 from pydantic.fields import FieldInfo
 
 from tautwire.inputs.files import did_you_mean
-from tautwire.specs.base import FORMS, Quantity, Spec, Typical
+from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
-from tautwire.specs.not_modelled import PAGE, feature_of
+from tautwire.specs.vocabulary import PAGE, meaning_of
 
 Path = tuple[str | int, ...]
-_STEP = re.compile(r"([A-Za-z_]\w*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
+_STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
 
 
 class PathError(ValueError):
@@ -47,6 +48,12 @@ class Target:
         """Tell whether the field can be given as a list."""
         return self.field is not None and any(
             get_origin(part) is tuple for part in _parts(self.field.annotation)
+        )
+
+    def holds_mapping(self) -> bool:
+        """Tell whether the field can be given as a mapping instead of a list."""
+        return self.field is not None and any(
+            isinstance(part, Tag) and part.tag == MAPPING for part in _parts(self.field.annotation)
         )
 
     def _marks(self) -> Iterator[Any]:
@@ -106,20 +113,47 @@ def find_target(path: Path) -> Target:
         if isinstance(step, int):
             continue
         fields = fields_by_key(spec) if spec is not None else {}
+        if step not in fields and spec is not None and spec.named_items is not None:
+            field, spec = None, spec.named_items
+            continue
         if step not in fields:
-            raise PathError(f"{format_path(path[: depth + 1])}: {unknown_key(step, fields)}")
+            place = format_path(path[: depth + 1])
+            raise PathError(f"{place}: {unknown_key(step, fields, format_path(path[:depth]))}")
         field = fields[step]
         spec = next(iter(_specs(field.annotation)), None)
     return Target(field, spec)
 
 
-def unknown_key(key: str, allowed: Mapping[str, Any]) -> str:
-    """Say that a key is unknown, with the closest one, or that its feature is not modelled."""
-    feature = feature_of(key)
-    if feature is not None:
-        return f"not modelled yet: {feature}; see the page '{PAGE}'"
+def spec_at(path: Path) -> type[Spec] | None:
+    """Return the spec of the mapping at a path; None where the path leads to none."""
+    try:
+        return find_target(path).spec
+    except PathError:
+        return None
+
+
+def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
+    """Say that a key is unknown, and what may be meant.
+
+    Parameters
+    ----------
+    key
+        As it was written.
+    allowed
+        Keys that may stand in its place.
+    above
+        Path of the mapping in which it stands; empty at the top.
+    """
+    meaning = meaning_of(key, above)
+    if meaning is not None and meaning.feature:
+        return f"not modelled yet: {meaning.feature}; see the page '{PAGE}'"
     if not allowed:
         return "unknown key; nothing can be given below this value"
+    own = meaning.key.rpartition(".")[2] if meaning is not None else ""
+    if own in allowed:
+        return f"unknown key; did you mean {own!r}?"
+    if meaning is not None:
+        return f"unknown key; it is given as {meaning.key}"
     listed = ", ".join(allowed)
     return f"unknown key{did_you_mean(key, allowed) or f'; known here are: {listed}'}"
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
 from math import isfinite
@@ -34,6 +34,10 @@ MAX_PROBLEMS = 1000
 
 _HEADER = re.compile(r"([^\[\]]+?)\s*(?:\[([^\[\]]*)\])?")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+Cells = Callable[[int], str]
+"""Names the cell from which an item of a list was read, by the number of the item from 0."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,11 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from tautwire.units import expectation, parse_quantity
+from tautwire.text import shown
+from tautwire.units import UnitError, expectation, parse_quantity
+
+SMALLEST = 1e-30
+"""Smallest size of a quantity other than 0: none in SI is smaller, and one over it is finite."""
 
 SCALAR = "<scalar>"
 LIST = "<list>"
@@ -65,7 +69,10 @@ class Quantity:
         return {"anyOf": [handler(schema), text]} | extra
 
     def _to_si(self, value: object) -> float:
-        return parse_quantity(value, self.unit)
+        number = parse_quantity(value, self.unit)
+        if number != 0.0 and abs(number) < SMALLEST:
+            raise UnitError(f"got {shown(value)}, too small to be meant; give 0 or a usual value")
+        return number
 
 
 @dataclass(frozen=True)
@@ -87,8 +94,14 @@ class Spec(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, validate_by_name=True
     )
 
+    named_items: ClassVar[type[Spec] | None] = None
+    """What a spec with keys of any name holds under them."""
+
     catalogue_kinds: ClassVar[tuple[str, ...]] = ()
     """Kinds of catalogue entries that ``use`` may name in a mapping of this spec."""
+
+    table_columns: ClassVar[tuple[str, ...]] = ()
+    """Lists that ``table`` may give in a mapping of this spec, as columns of a CSV file."""
 
     def with_(self, **changes: Any) -> Self:
         """Return a validated copy with some fields changed.
@@ -110,6 +123,7 @@ class Spec(BaseModel):
             When the changed spec is not valid.
         """
         own = {name: getattr(self, name) for name in type(self).model_fields}
+        own |= self.model_extra or {}
         nested: dict[str, dict[str, Any]] = {}
         for path, value in changes.items():
             head, _, rest = path.partition(".")

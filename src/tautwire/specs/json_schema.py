@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
+from tautwire.specs.base import Spec
 from tautwire.specs.case import Case
-from tautwire.specs.line.dropper import Droppers
-from tautwire.specs.line.support import Arm, Supports
-from tautwire.specs.line.wire import Wire
-from tautwire.specs.pantograph import Pantograph
+from tautwire.specs.upgrade import READ_VERSIONS
 
 JsonSchema = dict[str, Any]
 
@@ -18,22 +17,21 @@ def case_json_schema() -> JsonSchema:
 
     Quantities are a number (SI) or a text with a unit; each carries ``unit`` and ``typical``.
     Every mapping may hold ``include`` instead of its required keys, one for which the catalogue has
-    entries ``use``, and the top level ``tables``, ``catalogue`` and ``template``.
+    entries ``use``, one with lists ``table``, and the top level ``tables``, ``catalogue`` and
+    ``template``.
     """
     schema = _any_of(Case.model_json_schema(by_alias=True, mode="validation"))
-    for definition in [schema, *schema["$defs"].values()]:
-        _allow_keys(definition, ("include",))
-    for spec in (Wire, Droppers, Arm, Supports, Pantograph):
-        _allow_keys(schema["$defs"][spec.__name__], ("include", "use"))
-    roof = schema["$defs"]["RoofMotion"]
-    roof["properties"]["table"] = {"type": "string", "description": "CSV file of time and height."}
-    roof["anyOf"].append({"required": ["table"]})
+    specs = {spec.__name__: spec for spec in _below(Spec)}
+    for name, definition in {Case.__name__: schema, **schema["$defs"]}.items():
+        _allow_keys(definition, _bringing(specs.get(name, Spec)))
     files = {"anyOf": [_NAME, {"type": "array", "items": _NAME}]}
     schema["properties"]["catalogue"] = {**files, "description": "Own catalogue files."}
     schema["properties"]["template"] = {
         **_NAME,
         "description": "Library case of which the file is a copy.",
     }
+    schema["properties"]["schema"] |= {"enum": list(READ_VERSIONS)}
+    schema["properties"]["schema"].pop("const", None)
     schema["properties"]["tables"] = {
         "type": "object",
         "description": "CSV files, relative to the case file.",
@@ -44,6 +42,19 @@ def case_json_schema() -> JsonSchema:
         "additionalProperties": False,
     }
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _below(spec: type[Spec]) -> Iterator[type[Spec]]:
+    """Yield all specs."""
+    for own in spec.__subclasses__():
+        yield own
+        yield from _below(own)
+
+
+def _bringing(spec: type[Spec]) -> tuple[str, ...]:
+    """Return the keys of a mapping that bring others with them."""
+    use = ("use",) if spec.catalogue_kinds else ()
+    return ("include", *use, *(("table",) if spec.table_columns else ()))
 
 
 def _any_of(node: Any) -> Any:
@@ -76,5 +87,9 @@ _BRINGING = {
         "anyOf": [_NAME, {"type": "array", "items": _NAME}],
         "description": "Catalogue entry, or several, whose numbers this mapping completes or "
         "replaces.",
+    },
+    "table": {
+        **_NAME,
+        "description": "CSV file whose columns stand for the lists of this mapping.",
     },
 }

@@ -10,7 +10,7 @@ from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
 
 Time = Annotated[float, Quantity("s", ge=0.0, le=1e6)]
 RoofHeight = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-20 to 20 mm")]
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^/\\\x00-\x1f\x7f]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
 
 
 class ForceLaw(Spec):
@@ -55,6 +55,8 @@ class RoofMotion(Spec):
 
     Before the first and after the last point the nearest value holds.
     """
+
+    table_columns: ClassVar[tuple[str, ...]] = ("time", "height")
 
     time: tuple[Time, ...] = Field(
         min_length=2, description="Times since the start, strictly increasing."
@@ -121,6 +123,11 @@ class Pantograph(Spec):
         description="Height of the head at which the spring on the roof carries nothing, in the "
         "height system of the line; the mean height of the contact wire in the analysed section "
         "if left out.",
+    )
+    head_length: Annotated[float, Quantity("m", gt=0.0, le=4.0, typical="1.6 to 1.95 m")] = Field(
+        default=1.6,
+        description="Length of the head across the track: of several contact wires it touches "
+        "those within half of it from the middle of the track.",
     )
     roof_motion: RoofMotion | None = Field(
         default=None, description="Prescribed motion of the roof; none if left out."

@@ -36,7 +36,7 @@ class MeanForceLaw(Spec):
 class Scenario(Spec):
     """One passage of the train at constant speed."""
 
-    speed: Annotated[float, Quantity("m/s", gt=0.0, le=250.0, typical="320 km/h")] = Field(
+    speed: Annotated[float, Quantity("m/s", ge=0.01, le=250.0, typical="320 km/h")] = Field(
         description="Speed of the train; below the wave speed of the contact wire."
     )
     direction: Literal["+x", "-x"] = Field(

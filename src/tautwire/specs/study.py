@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, Problem, Spec, Typical, refuse
 from tautwire.specs.pantograph import Name
+from tautwire.text import shown
 
 RANGE, SPREAD, SEEDS, VARIANTS = "<range>", "<interval>", "<seeds>", "<variants>"
 AXIS_FORMS = frozenset({LIST, RANGE, SPREAD, SEEDS, VARIANTS})
@@ -20,7 +21,7 @@ Scale = Literal["linear", "log"]
 def _number_or_text(value: object) -> object:
     if isinstance(value, (int, float, str)) and not isinstance(value, bool):
         return value
-    raise ValueError(f"got {value!r}; expected a number, or a text with a unit")
+    raise ValueError(f"got {shown(value)}; expected a number, or a text with a unit")
 
 
 Value = Annotated[

@@ -15,6 +15,7 @@ from tautwire.inputs.merge import EXCLUSIVE
 from tautwire.inputs.paths import PathError, Target, find_target, parse_path
 from tautwire.specs.study import Range, Seeds, Spread, Study, Variants
 from tautwire.studies import columns
+from tautwire.text import shown
 from tautwire.units import UnitError, parse_quantity
 
 Coordinate = float | int | str
@@ -185,7 +186,7 @@ def _split(value: Any) -> tuple[float, str]:
         return float(value), ""
     match = _WRITTEN.fullmatch(value)
     if match is None:
-        raise UnitError(f"got {value!r}, not a number with a unit")
+        raise UnitError(f"got {shown(value)}, not a number with a unit")
     return float(match.group(1)), match.group(2)
 
 

@@ -31,6 +31,7 @@ from tautwire.specs.study import (
     Study,
     Variants,
 )
+from tautwire.text import shown
 
 _SPECS: dict[str, type[Spec]] = {RANGE: Range, SPREAD: Spread, SEEDS: Seeds, VARIANTS: Variants}
 _AXIS = "a list, {from, to, step or count}, {low, high}, {seeds} or {variants}"
@@ -114,7 +115,7 @@ def _texts(fault: ErrorDetails) -> list[str]:
 
 def _text(fault: ErrorDetails) -> str:
     kind, limits = fault["type"], fault.get("ctx", {})
-    got = f"got {_shown(fault['input'])}"
+    got = f"got {shown(fault['input'])}"
     if kind == "missing":
         return f"is missing: {_description(fault)}"
     if kind == "extra_forbidden":
@@ -143,11 +144,6 @@ def _fields(fault: ErrorDetails) -> Mapping[str, Any]:
 def _description(fault: ErrorDetails) -> str:
     field = _fields(fault).get(str(fault["loc"][-1]))
     return getattr(field, "description", None) or "give a value."
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _quoted(words: str) -> list[str]:

@@ -171,6 +171,8 @@ def _places(rows: _Rows, result: LineTables) -> dict[str, Any]:
                 f"{rows.sheet.label}: chainage falls; support 1 is the first row, and staggers are "
                 "turned so that they keep their side of rising chainage"
             )
+    elif (along := rows.full("x")) and along[0] != 0.0:
+        places["chainage"] = along  # not counted from the first support
     return places
 
 

@@ -44,7 +44,7 @@ private:
 
     enum class Gate { none, tie, stay, contact };
     struct Entry {
-        int dof, at;
+        int at;
         float w, z;
     };
     struct End {
@@ -61,9 +61,12 @@ private:
         int k, l, e, f;  // couplings k >= l, ends
         double response;
     };
+    // S of the couplings with at least one end in a range of rows.
     struct Part {
         Skyline matrix;
-        List<unsigned char> active;  // couplings with at least one end in the range
+        List<unsigned char> inside, active;
+        RowRange range;
+        int factored;  // rows that are up to date
     };
 
     void list(const Factors& factors, const Buffer<Row>& state, const Buffer<int>& rank);
@@ -81,10 +84,11 @@ private:
             default: return true;
         }
     }
-    bool prepare(Part& part, RowRange range, const bool* closed, const double* compliance);
-    void fill(Part& part, int from, RowRange range, const double* compliance);
+    void enclose(RowRange range);
+    bool prepare(Part& part, const bool* closed, const double* compliance);
+    void fill(Part& part, int from, const double* compliance);
     template <bool kWhole>
-    void apply(const Part& part, float* y, RowRange range);
+    void apply(const Part& part, float* y);
 
     static int row_of(const Entry& entry) { return entry.at / (6 * kPieces); }
 
@@ -93,13 +97,13 @@ private:
     List<Coupling> couplings_;  // those of the line along the track, then the contacts
     List<End> ends_;
     List<Entry> entries_;
+    List<int> dofs_;       // of the entries
     List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
     int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
     Part whole_, part_;
-    int factored_ = 0;  // rows of whole_ that are up to date
     Buffer<double> small_;
 };
 
@@ -151,6 +155,7 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     sort();
     ends_.shorten(0);
     entries_.shorten(0);
+    dofs_.shorten(0);
     pairs_.shorten(0);
     line_count_ = static_cast<int>(couplings_.size());
     for (int k = 0; k < line_count_; ++k) add_ends(chain, k);
@@ -179,15 +184,20 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     for (const Pair& pair : pairs_) first[pair.k] = first[pair.k] < pair.l ? first[pair.k] : pair.l;
     for (Part* part : {&whole_, &part_}) {
         part->matrix.clear();
+        part->inside.shorten(0);
         part->active.shorten(0);
         for (int k = 0; k < line_count_; ++k) {
             part->matrix.add_row(first[k]);
+            part->inside.push(1);
             part->active.push(1);
         }
+        part->range = line_.layout.whole();
+        part->factored = 0;
     }
-    factored_ = line_count_;
-    fill(whole_, 0, line_.layout.whole(), nullptr);
-    return whole_.matrix.factor(0);
+    fill(whole_, 0, nullptr);
+    const bool done = whole_.matrix.factor(0);
+    whole_.factored = done ? line_count_ : 0;
+    return done;
 }
 
 inline void Couplings::add_ends(const Chain& chain, int k) {
@@ -214,8 +224,8 @@ inline void Couplings::add_end(const Chain& chain, int k, int node, const double
         double here = 0.0;
         for (int i = 0; i < 6; ++i) {
             here += w[i] * z[i];
-            entries_.push({6 * m + i, at + i * kPieces, static_cast<float>(w[i]),
-                           static_cast<float>(z[i])});
+            entries_.push({at + i * kPieces, static_cast<float>(w[i]), static_cast<float>(z[i])});
+            dofs_.push(6 * m + i);
             const double of_w = w[i] * w[i] * d[i], of_z = z[i] * z[i] / d[i];
             sizes_.push(static_cast<float>(of_w > of_z ? of_w : of_z));
         }
@@ -245,13 +255,15 @@ inline void Couplings::cut(int k) {
         for (int n = end.first; n < end.last; ++n) {
             const Entry entry = entries_[n];
             if (!(sizes_[n - start] > tau * tau * compliance)) continue;
-            end.last_node = entry.dof / 6;
+            end.last_node = dofs_[n] / 6;
+            dofs_[kept] = dofs_[n];
             entries_[kept++] = entry;
         }
         end.first = first;
         end.last = kept;
     }
     entries_.shorten(kept);
+    dofs_.shorten(kept);
     sizes_.shorten(0);
 }
 
@@ -259,10 +271,11 @@ inline double Couplings::response(const End& e, const End& f, RowRange range) co
     double sum = 0.0;
     for (int m = e.first, n = f.first; m < e.last && n < f.last;) {
         const Entry &a = entries_[m], &b = entries_[n];
-        if (a.dof == b.dof && range.contains(row_of(a)))
+        const int at = dofs_[m], other = dofs_[n];
+        if (at == other && range.contains(row_of(a)))
             sum += 0.5 * (static_cast<double>(a.w) * b.z + static_cast<double>(a.z) * b.w);
-        m += a.dof <= b.dof;
-        n += b.dof <= a.dof;
+        m += at <= other;
+        n += other <= at;
     }
     return sum;
 }
@@ -285,12 +298,13 @@ inline void Couplings::clear_contacts() {
     couplings_.shorten(line_count_);
     ends_.shorten(line_ends_);
     entries_.shorten(line_entries_);
+    dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
     for (Part* part : {&whole_, &part_}) {
         part->matrix.shorten(line_count_);
+        part->inside.shorten(line_count_);
         part->active.shorten(line_count_);
     }
-    factored_ = factored_ < line_count_ ? factored_ : line_count_;
 }
 
 inline void Couplings::add_contact(
@@ -313,12 +327,14 @@ inline void Couplings::add_contact(
         if (pairs_[n].k == k && pairs_[n].l < first) first = pairs_[n].l;
     for (Part* part : {&whole_, &part_}) {
         part->matrix.add_row(first);
-        part->active.push(1);
+        part->inside.push(part->range.contains(ends_[e].row));
+        part->active.push(0);
     }
 }
 
 // Fill the rows of S from one on; those of couplings that do not act are decoupled.
-inline void Couplings::fill(Part& part, int from, RowRange range, const double* compliance) {
+inline void Couplings::fill(Part& part, int from, const double* compliance) {
+    const RowRange range = part.range;
     const int size = part.matrix.size();
     const bool whole = line_.layout.is_whole(range);
     part.matrix.reset(from);
@@ -353,65 +369,73 @@ inline void Couplings::fill(Part& part, int from, RowRange range, const double* 
 }
 
 // Bring the factor of a part up to date with what acts.
-inline bool Couplings::prepare(
-    Part& part, RowRange range, const bool* closed, const double* compliance) {
-    const bool whole = &part == &whole_;
-    int from = whole ? factored_ : 0;
+inline bool Couplings::prepare(Part& part, const bool* closed, const double* compliance) {
+    int from = part.factored < line_count_ ? part.factored : line_count_;  // contacts change always
     for (int k = 0; k < part.matrix.size(); ++k) {
-        const Coupling& c = couplings_[k];
-        bool active = acts(c, closed);
-        if (!whole) {
-            bool inside = false;
-            for (int e = c.first_end; e < c.last_end; ++e) inside |= range.contains(ends_[e].row);
-            active &= inside;
-        }
-        if (part.active[k] != active) {
-            part.active[k] = active;
-            from = from < k ? from : k;
-        }
+        const bool active = part.inside[k] && acts(couplings_[k], closed);
+        if (part.active[k] == active) continue;
+        part.active[k] = active;
+        from = from < k ? from : k;
     }
-    from = from < line_count_ ? from : line_count_;  // the contacts' stiffness may have changed
-    fill(part, from, range, compliance);
+    fill(part, from, compliance);
     const bool done = part.matrix.factor(from);
-    if (whole) factored_ = done ? line_count_ : 0;
+    part.factored = done ? line_count_ : 0;
     return done;
+}
+
+// Make the part of some rows the one that is in use.
+inline void Couplings::enclose(RowRange range) {
+    if (part_.range.first == range.first && part_.range.last == range.last) return;
+    part_.range = range;
+    part_.factored = 0;
+    for (int k = 0; k < part_.matrix.size(); ++k) {
+        bool inside = false;
+        for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
+            inside |= range.contains(ends_[e].row);
+        part_.inside[k] = inside;
+    }
 }
 
 inline bool Couplings::correct(Chain& chain, const bool* closed, const double* compliance) {
     if (couplings_.size() == 0) return true;
     const RowRange range = chain.range();
     const bool whole = line_.layout.is_whole(range);
+    if (!whole) enclose(range);
     Part& part = whole ? whole_ : part_;
-    if (!prepare(part, range, closed, compliance)) return false;
-    if (small_.size() < couplings_.size()) small_ = Buffer<double>(2 * couplings_.size());
-    if (whole) apply<true>(part, chain.eliminated(), range);
-    else apply<false>(part, chain.eliminated(), range);
+    if (!prepare(part, closed, compliance)) return false;
+    small_.grow(couplings_.size());
+    if (whole) apply<true>(part, chain.eliminated());
+    else apply<false>(part, chain.eliminated());
     return true;
 }
 
 template <bool kWhole>
-void Couplings::apply(const Part& part, float* y, RowRange range) {
+void Couplings::apply(const Part& part, float* y) {
     const int size = part.matrix.size();
-    const auto leaves = [&](const Entry& entry) { return !kWhole && !range.contains(row_of(entry)); };
+    const Entry* entries = entries_.begin();
+    // Entries of an end that are in the range of rows.
+    const auto last_of = [&](const End& end) {
+        if (kWhole) return end.last;
+        int n = end.first;
+        if (part.range.contains(end.row))
+            while (n < end.last && part.range.contains(row_of(entries[n]))) ++n;
+        return n;
+    };
     for (int k = 0; k < size; ++k) {
         float sum = 0.0f;
         if (part.active[k])
-            for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e) {
-                if (!kWhole && !range.contains(ends_[e].row)) continue;
-                for (int n = ends_[e].first; n < ends_[e].last && !leaves(entries_[n]); ++n)
-                    sum += entries_[n].z * y[entries_[n].at];
-            }
+            for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
+                for (int n = ends_[e].first, last = last_of(ends_[e]); n < last; ++n)
+                    sum += entries[n].z * y[entries[n].at];
         small_[k] = sum;
     }
     part.matrix.solve(small_.data());
     for (int k = 0; k < size; ++k) {
         if (!part.active[k]) continue;
         const float factor = static_cast<float>(small_[k]);
-        for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e) {
-            if (!kWhole && !range.contains(ends_[e].row)) continue;
-            for (int n = ends_[e].first; n < ends_[e].last && !leaves(entries_[n]); ++n)
-                y[entries_[n].at] -= factor * entries_[n].w;
-        }
+        for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
+            for (int n = ends_[e].first, last = last_of(ends_[e]); n < last; ++n)
+                y[entries[n].at] -= factor * entries[n].w;
     }
 }
 

@@ -58,6 +58,7 @@ public:
     // Solve in place.
     void solve(double* x) const {
         for (int k = 0; k < size(); ++k) {
+            if (first_[k] == k) continue;
             const double* l = &values_[start_[k]] - first_[k];
             x[k] -= product(l + first_[k], x + first_[k], k - first_[k]);
         }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tautwire.numerics.elements.hermite import position_row, slope_row
+from tautwire.numerics.elements.hermite import local_coordinate, position_row
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.spectra import (
     Spectrum,
@@ -19,7 +19,6 @@ from tautwire.signals.spectra import (
 Array = NDArray[np.float64]
 
 POINTS_PER_ELEMENT = 4
-_INVERSION_STEPS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +91,7 @@ def even_points(
     x = np.linspace(start, end, count, endpoint=False)
     element = wire.element(x)
     lengths = wire.lengths[element]
-    ends = shape.position[wire.dofs(element, 0)]
-    xi = (x - ends[:, 0]) / (ends[:, 2] - ends[:, 0])
-    for _ in range(_INVERSION_STEPS):
-        rate = np.sum(slope_row(xi, lengths) * ends, axis=1)
-        xi = xi + (x - np.sum(position_row(xi, lengths) * ends, axis=1)) / rate
+    xi = local_coordinate(shape.position[wire.dofs(element, 0)], lengths, x)
     nodes = np.stack([wire.nodes[element], wire.nodes[element + 1]], axis=1)
     return EvenPoints(x, nodes, position_row(xi, lengths))
 

@@ -44,7 +44,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         _facts(run, statistics),
         heading("Contact force [N]", "over the section"),
         *(_force_table(columns) for columns in batched(_columns(statistics), MOST_COLUMNS)),
-        heading("Passage", _uplift(statistics)),
+        heading("Passage", _uplift(run, statistics)),
         *(_passage_table(some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
         *_losses(statistics),
         heading("Limits", "unverified: nobody compared the limit with the standard's text"),
@@ -104,12 +104,14 @@ def _force_table(columns: Sequence[tuple[str, PantographStatistics, str]]) -> An
     return table(("", *(head for head, _, _ in columns)), "l" + "r" * len(columns), rows)
 
 
-def _uplift(statistics: RunStatistics) -> str:
+def _uplift(run: Run, statistics: RunStatistics) -> str:
     uplift = statistics.uplift
     if not math.isfinite(uplift.maximum):
         return ""
     support = uplift.supports[uplift.uplift == uplift.maximum][0]
-    return f"largest uplift at a support {quantity(1e3 * uplift.maximum, 'mm')} (support {support})"
+    known_as = run.case.line.place_of_support(int(support) - 1)
+    where = f"support {support}, {known_as}" if known_as else f"support {support}"
+    return f"largest uplift at a support {quantity(1e3 * uplift.maximum, 'mm')} ({where})"
 
 
 def _passage_table(entries: Sequence[PantographStatistics]) -> Any:

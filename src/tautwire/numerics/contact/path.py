@@ -12,13 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.elements.hermite import position_row, slope_row
+from tautwire.numerics.elements.hermite import local_coordinate, position_row, slope_row
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-_NEWTON_STEPS = 20
-_TOLERANCE = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +28,8 @@ class ContactPoint:
         Index along the wire (between stations ``element`` and ``element + 1``).
     xi : float
         Local coordinate in [0, 1].
-    height : float m
-        z of the point.
+    height, lateral : float m
+        z and y of the point.
     dofs_x, dofs_z : (4,)
         Degrees of freedom (r1, r1', r2, r2') in x and z.
     row : (4,)
@@ -45,6 +42,7 @@ class ContactPoint:
     element: int
     xi: float
     height: float
+    lateral: float
     dofs_x: Index
     dofs_z: Index
     row: Array
@@ -84,12 +82,13 @@ class ContactWirePath:
         length = self._lengths[element]
         left, right = self._x_dofs[element], self._x_dofs[element + 1]
         dofs_x = np.array([left, left + 3, right, right + 3])
-        xi = _invert(q[dofs_x], length, x)
+        xi = float(local_coordinate(q[dofs_x], length, x))
         row, rate = position_row(xi, length), slope_row(xi, length)
         dofs_z = dofs_x + 2
         e_z = q[dofs_z]
         slope = float(rate @ e_z) / float(rate @ q[dofs_x])
-        return ContactPoint(element, xi, float(row @ e_z), dofs_x, dofs_z, row, slope)
+        lateral = float(row @ q[dofs_x + 1])
+        return ContactPoint(element, xi, float(row @ e_z), lateral, dofs_x, dofs_z, row, slope)
 
     def _find_element(self, q: Array, x: float, hint: int) -> int | None:
         dofs = self._x_dofs
@@ -101,14 +100,3 @@ class ContactWirePath:
         while element < len(dofs) - 2 and x >= q[dofs[element + 1]]:
             element += 1
         return element
-
-
-def _invert(e_x: Array, length: float, x: float) -> float:
-    """Solve ``S(xi) e_x = x`` by Newton's method from the linear guess."""
-    xi = (x - e_x[0]) / (e_x[2] - e_x[0])
-    for _ in range(_NEWTON_STEPS):
-        step = (x - position_row(xi, length) @ e_x) / (slope_row(xi, length) @ e_x)
-        xi += step
-        if abs(step) < _TOLERANCE:
-            break
-    return float(xi)

@@ -12,6 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+_NEWTON_STEPS = 20
+"""Far more than needed: an element is nearly straight, so that three steps reach rounding."""
+_TOLERANCE = 1e-13
+"""Of the local coordinate: rounding of a length of 1 m in a line of a kilometre."""
+
 
 def position_row(xi: ArrayLike, length: ArrayLike) -> Array:
     """Return S1 .. S4 at ``xi``: ``r = row @ (r1, r1', r2, r2')``.
@@ -51,6 +56,33 @@ def slope_row(xi: ArrayLike, length: ArrayLike) -> Array:
         ],
         axis=-1,
     )
+
+
+def local_coordinate(ends: ArrayLike, length: ArrayLike, x: ArrayLike) -> Array:
+    """Solve ``S(xi) e_x = x`` for ``xi`` by Newton's method from the linear guess.
+
+    Parameters
+    ----------
+    ends : (..., 4)
+        x of the element: ``(r1, r1', r2, r2')``.
+    length : (...) m
+        Unstrained element length(s).
+    x : (...) m
+        Position(s) between the ends of the element.
+
+    Returns
+    -------
+    (...)
+    """
+    ends, x = np.asarray(ends), np.asarray(x)
+    xi = (x - ends[..., 0]) / (ends[..., 2] - ends[..., 0])
+    for _ in range(_NEWTON_STEPS):
+        row, rate = position_row(xi, length), slope_row(xi, length)
+        step = (x - np.sum(row * ends, axis=-1)) / np.sum(rate * ends, axis=-1)
+        xi = xi + step
+        if np.max(np.abs(step), initial=0.0) < _TOLERANCE:
+            break
+    return xi
 
 
 def derivative_tables(xi: ArrayLike) -> tuple[Array, Array]:

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from tautwire.analyses.road.shape import find_shape
 from tautwire.analyses.vibration.modes import (
     concentration,
-    free_wire_frequency,
     mode_spectrum,
     modes_sensitive_to,
 )
 from tautwire.analyses.vibration.wavelengths import line_lengths
-from tautwire.model.build import build
+from tautwire.model.build import Model, build
 from tautwire.reproductions.song2021.claims import (
     ALWAYS,
     Claim,
@@ -27,6 +26,7 @@ from tautwire.reproductions.song2021.claims import (
     most,
 )
 from tautwire.reproductions.song2021.passages import BASE
+from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
 
@@ -98,9 +98,7 @@ def control(name: str, factor: float) -> str:
 
 
 def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = None) -> Study:
-    """Make the study that searches the modes; the title of a case says for which length.
-
-    Every length is searched beside control lengths that mean nothing to the line.
+    """Make the study that searches the modes: one case for every mesh.
 
     Parameters
     ----------
@@ -110,9 +108,8 @@ def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = No
         Values of the case to replace, by path.
     """
     variants = {
-        title: {"title": title, "settings.nodes_between_droppers": mesh}
-        for name, mesh in meshes.items()
-        for title in (name, *(control(name, factor) for factor in CONTROLS))
+        f"NAD {mesh}": {"settings.nodes_between_droppers": mesh}
+        for mesh in sorted(set(meshes.values()))
     }
     return Study.model_validate(
         {
@@ -120,13 +117,15 @@ def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = No
             "name": "song2021-modes",
             "base": BASE,
             "overrides": dict(changes or {}),
-            "axes": {"length": {"variants": variants}},
+            "axes": {"mesh": {"variants": variants}},
         }
     )
 
 
 def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa: FBT001
-    """Search the modes that are sensitive to the length in the title of a case.
+    """Search the modes that are sensitive to the lengths which the mesh of a case is for.
+
+    Every length is searched beside control lengths that mean nothing to the line.
 
     Parameters
     ----------
@@ -134,15 +133,23 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
     _keep_run
         Without effect: there is no history to keep.
     """
-    factor, _, name = case.title.rpartition(" ")
-    wanted = float(factor or 1.0) * line_lengths(case).named(elements=False)[name]
+    lengths = line_lengths(case).named(elements=False)
     model = build(case)
     shape = find_shape(model)
+    found = {}
+    for name, mesh in MESHES.items():
+        if mesh == case.settings.nodes_between_droppers:
+            wanted = {name: lengths[name]}
+            wanted |= {control(name, factor): factor * lengths[name] for factor in CONTROLS}
+            found |= {key: _best(model, shape, length) for key, length in wanted.items()}
+    return {"found": found}, None
+
+
+def _best(model: Model, shape: Equilibrium, wanted: float) -> dict[str, Any]:
+    """Return the best mode for a wavelength [m] as plain data."""
     found = modes_sensitive_to(model, shape, wanted, width=WIDTH, count=MOST_SENSITIVE)
     values: dict[str, Any] = {
-        "name": case.title,
         "wanted": wanted,
-        "near": free_wire_frequency(model, shape, wanted),
         "searched": found.counted,
         "sensitive": len(found.frequencies),
     }
@@ -164,31 +171,29 @@ def search(case: Case, _keep_run: bool) -> tuple[dict[str, Any], None]:  # noqa:
             "wavenumber": spectrum.abscissa[shown].tolist(),
             "amplitude": spectrum.value[shown].tolist(),
         }
-    return values, None
-
-
-def read(row: Mapping[str, Any]) -> Found:
-    """Read a finished search.
-
-    Parameters
-    ----------
-    row
-        As kept by the study engine.
-    """
-    values = row["values"]
-    return Found(
-        values["name"],
-        values["wanted"],
-        values["searched"],
-        values["sensitive"],
-        values.get("numbers", {}),
-        *(np.array(values.get(key, ())) for key in ("x", "shape", "wavenumber", "amplitude")),
-    )
+    return values
 
 
 def gather(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Found]:
-    """Read finished searches by name, controls included."""
-    return {name: read(row) for name, row in rows.items()}
+    """Read the finished searches by name of the length, controls included.
+
+    Parameters
+    ----------
+    rows
+        As kept by the study engine.
+    """
+    return {
+        name: Found(
+            name,
+            values["wanted"],
+            values["searched"],
+            values["sensitive"],
+            values.get("numbers", {}),
+            *(np.array(values.get(key, ())) for key in ("x", "shape", "wavenumber", "amplitude")),
+        )
+        for row in rows.values()
+        for name, values in row["values"]["found"].items()
+    }
 
 
 def controls(found: Mapping[str, Found], name: str) -> list[Found]:

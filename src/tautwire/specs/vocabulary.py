@@ -1,0 +1,94 @@
+"""Words that people use for what a case has under another name, or cannot describe yet."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+PAGE = "Not modelled yet"
+"""Title of the page of the documentation that lists what a case cannot describe."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a word stands for: a key of a case or a feature that is not modelled.
+
+    Attributes
+    ----------
+    key
+        Path of the key, as in ``supports.encumbrance``; empty for a feature.
+    feature
+        The feature, as a person calls it; empty for a key.
+    """
+
+    key: str = ""
+    feature: str = ""
+
+
+def features() -> tuple[str, ...]:
+    """Return what is refused by name because a case cannot describe it yet."""
+    return tuple(_content()["features"])
+
+
+def renamed_keys() -> tuple[str, ...]:
+    """Return the paths of the keys that people know under other names."""
+    return tuple(_content()["keys"])
+
+
+def words_for(name: str) -> tuple[str, ...]:
+    """Return the words that stand for a feature or for the path of a key."""
+    content = _content()
+    return tuple(content["features"].get(name) or content["keys"][name])
+
+
+def meaning_of(word: str, above: str = "") -> Meaning | None:
+    """Return what a word that is no key stands for; None when it is unknown.
+
+    Parameters
+    ----------
+    word
+        As written in a file, in any spelling: ``"System-Height"``, ``"Systemhöhe"``.
+    above
+        Path of the mapping in which it stands; some words mean something in one place only.
+
+    Examples
+    --------
+    >>> meaning_of("Systemhöhe")
+    Meaning(key='supports.encumbrance', feature='')
+    """
+    plain = _plain(word)
+    places = [step for step in re.split(r"[.\[\]0-9]+", above) if step]
+    spellings = [plain, *([plain[:-1]] if plain.endswith("s") else [])]
+    keys = [f"{place}.{spelling}" for spelling in spellings for place in places] + spellings
+    return next((found for key in keys if (found := _index().get(key)) is not None), None)
+
+
+def _plain(word: str) -> str:
+    """Write a word in lower case, without accents, with ``_`` between its parts."""
+    split = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", word.strip())
+    folded = unicodedata.normalize("NFKD", split.lower())
+    letters = "".join(letter for letter in folded if not unicodedata.combining(letter))
+    return re.sub(r"[\s\-./]+", "_", letters)
+
+
+@lru_cache(maxsize=1)
+def _content() -> dict[str, dict[str, list[str]]]:
+    import yaml
+
+    text = files("tautwire.specs").joinpath("vocabulary.yaml").read_text(encoding="utf-8")
+    content: Any = yaml.safe_load(text)
+    return content
+
+
+@lru_cache(maxsize=1)
+def _index() -> dict[str, Meaning]:
+    """Return all meanings by word; of two meanings the feature goes first."""
+    content = _content()
+    found = {word: Meaning(key=key) for key, words in content["keys"].items() for word in words}
+    for feature, words in content["features"].items():
+        found |= {word: Meaning(feature=feature) for word in words}
+    return found
