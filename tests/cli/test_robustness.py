@@ -103,7 +103,7 @@ VALUES = [
     _set("unevenness of a negative length",
          "irregularities.unevenness=[{kind: bump, position: 9 m, length: -1 m, rise: 1 mm}]",
          "irregularities.unevenness[1].length", "at least 0.02 m"),
-    _set("stitch wire", "line.stitch_wire=18 m", "not modelled yet: stitch wire", "page"),
+    _set("stitch wire", "line.stitch_wire=18 m", "unknown key", "given as wires"),
 ]  # fmt: skip
 FILES = [
     _file("empty file", "empty.yaml", "", "empty.yaml: is empty", "--copy my-line.yaml"),
@@ -113,7 +113,7 @@ FILES = [
     _file("malformed TOML", "bad.toml", "line = \n", "bad.toml: cannot be read as TOML", "line 1"),
     _file("repeated key", "twice.yaml", "name: a\nname: b\n", "line 2", "keep one of them"),
     _file("not text", "noise.yaml", bytes(range(256)), "noise.yaml", "UTF-8"),
-    _file("unknown feature", "twin.yaml", HEAD + "twin_contact_wire: true\n",
+    _file("unknown feature", "wind.yaml", HEAD + "wind: true\n",
           "not modelled yet", "Not modelled yet"),
     _file("schema", "old.yaml", HEAD.replace("schema: 1", "schema: 7"), "schema", "1"),
     _file("trailing pantograph", "short.yaml",

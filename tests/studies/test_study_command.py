@@ -42,7 +42,7 @@ STUDY = {
         },
     },
 }
-"""Two cases that work, two that diverge, two that are refused."""
+"""Two cases that work, two with steps that are far too coarse, two that are refused."""
 
 
 def tautwire(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -74,8 +74,9 @@ def finished(
 def test_document(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
     """One JSON document on standard output: counts, grouped failures, rows; exit code 0.
 
-    Whether the two diverging cases stop for the same reason depends on rounding, so on the
-    kernels: what counts is that no reason is listed twice because of the numbers in it.
+    The two cases with steps of 50 ms fail: their passage stops, or ends with a record that is too
+    coarse for 20 Hz, which depends on rounding, so on the kernels. What counts is that no reason
+    is listed twice because of the numbers in it.
     """
     _, outcome = finished
     assert outcome.returncode == 0, outcome.stderr
@@ -85,7 +86,8 @@ def test_document(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> No
     assert document["computed_now"] == 4
     *diverged, refused = sorted(document["failures"], key=lambda failure: failure["status"])
     assert sorted(case for group in diverged for case in group["cases"]) == [2, 4]
-    assert all(group["reason"].startswith("The passage stopped at") for group in diverged)
+    known = ("The passage stopped at", "the contact force cannot be filtered")
+    assert all(group["reason"].startswith(known) for group in diverged), diverged
     reasons = {re.sub(r"t = [\d.]+ s", "", group["reason"]) for group in diverged}
     assert len(reasons) == len(diverged)
     assert refused["cases"] == [5, 6]

@@ -237,6 +237,7 @@ def _record(
         contact_force=force,
         gap=np.where(force > 0.0, -force / case.settings.contact_stiffness, 0.002),
         wire_height=height,
+        wire_forces=force[:, None],
         stage_heights=np.where(active[:, None], stages, 0.0),
         active=active,
     )

@@ -60,7 +60,7 @@ class Gaps:
             times.append(self.time)
         gaps = np.array([self.gap(t) for t in times]).reshape(len(times), len(self.functions))
         none = np.empty((len(times), 0))
-        return StepBlock(np.array(times), gaps, gaps, gaps, none, none, none, status, refused)
+        return StepBlock(np.array(times), gaps, gaps, gaps, none, none, none, none, status, refused)
 
     def mark(self) -> object:
         """Return the time."""

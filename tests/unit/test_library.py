@@ -16,11 +16,14 @@ CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
 def test_what_the_library_holds() -> None:
-    """The library holds four cases and two pantographs, each with a summary."""
+    """The library holds seven cases and two pantographs, each with a summary."""
     assert [entry.name for entry in list_entries()] == [
         "ac-simple",
+        "ac-simple-overlap",
         "ac-simple-plane",
         "ac-simple-two-pantographs",
+        "ac-stitched",
+        "dc-twin",
         "en50318-2002",
         "benchmark-2015-pantograph",
         "en50318-2002-pantograph",
@@ -84,13 +87,16 @@ def test_nothing_in_the_reference_line_is_calibrated() -> None:
     assert plane.droppers == load_case("ac-simple").droppers
 
 
+NUMBERS_OF_A_WIRE = ("tension", "mass", "axial_stiffness", "bending_stiffness")
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_numbers_have_sources(name: str) -> None:
     """Every number of a library case that is not a matter of course has its source."""
     case = load_case(name)
     covered = [parse_path(source.path) for source in case.sources]
     expected = [
-        *(f"wires.{w}.{k}" for w in ("contact", "messenger") for k in case.wires.contact.to_dict()),
+        *(f"wires.{name}.{key}" for name, _ in case.wires.named() for key in NUMBERS_OF_A_WIRE),
         *(f"droppers.{key}" for key in ("positions", "presag", "stiffness", "mass")),
         *(f"droppers.{key}" for key in ("clamp_contact", "clamp_messenger")),
         *(f"supports.{key}" for key in ("encumbrance", "contact_stagger", "closure")),

@@ -308,7 +308,7 @@ def test_json_schema_knows_includes_and_tables() -> None:
     assert {"required": ["include"]} in schema["$defs"]["Pantograph"]["anyOf"]
     assert set(schema["properties"]["tables"]["properties"]) == {"supports", "droppers"}
     assert {"required": ["table"]} in schema["$defs"]["RoofMotion"]["anyOf"]
-    assert schema["properties"]["schema"]["const"] == 1
+    assert schema["properties"]["schema"]["enum"] == [1, 2]
     assert "oneOf" not in json.dumps(schema)
 
 

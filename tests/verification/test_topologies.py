@@ -10,6 +10,8 @@ import pytest
 from tautwire.numerics.motion import backend
 from tautwire.numerics.motion.native_line import NodeOrder, NotAChainError
 from tautwire.numerics.motion.stepper import StepOptions
+from tautwire.numerics.network.parts import Cables, Path, Stays
+from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
@@ -92,6 +94,41 @@ def test_without_pantograph(path: bool) -> None:
         reference = backend.make_stepper(system, (), options, middle, "reference").advance(50)
         np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-9)
     assert np.ptp(native.observed[:, 2]) > 1e-4
+
+
+def halved(system: System) -> System:
+    """Return two wires of half the stiffness and mass in place of one, each of them a path."""
+    cables, path, count = system.cables, system.paths[0], system.node_count
+    half = cables.with_(axial=cables.axial / 2, bending=cables.bending / 2, mass=cables.mass / 2)
+    both = np.concatenate([half.nodes, half.nodes + count])
+    pairs = {
+        name: np.tile(getattr(half, name), 2) for name in ("length", "axial", "bending", "mass")
+    }
+    second = Path("contact-2", path.nodes + count, path.cables + len(cables))
+    return system.with_(
+        cables=Cables(nodes=both, **pairs),
+        node_mass=np.tile(system.node_mass / 2, 2),
+        load=np.tile(system.load / 2, 2),
+        fixed=np.tile(system.fixed, 2),
+        position=np.tile(system.position, 2),
+        stays=Stays.none(),
+        paths=(path, second),
+    )
+
+
+def test_two_half_wires_under_one_head() -> None:
+    """Two wires of half the properties and contact stiffness carry the force of one wire."""
+    one = TOPOLOGIES["single"]().system().with_(stays=Stays.none())
+    options = {"integrator": Newmark(), "time_step": 1e-3, "tolerance": 1e-12}
+    forces = []
+    for system, stiffness in ((one, 5e4), (halved(one), 2.5e4)):
+        given = StepOptions(contact_stiffness=stiffness, **options)  # type: ignore[arg-type]
+        stepper = backend.make_stepper(system, (under_way(),), given, np.array([2]), "native")
+        block = stepper.advance(400)
+        assert len(block.time) == 400
+        forces.append(block.contact_force)
+    assert forces[0].max() > 100.0
+    np.testing.assert_allclose(forces[1], forces[0], rtol=0.0, atol=1e-5)
 
 
 def test_wires_that_branch_are_refused() -> None:

@@ -354,7 +354,7 @@ def _numbers(run: Run, track: _Track, forces: Array, position: Array) -> dict[st
 def _static_height(run: Run, position: Array) -> Array:
     """Return the height of the contact wire at rest, (n,) m to (n,) m."""
     shape = run.equilibrium
-    return np.interp(position, shape.contact.s, shape.contact.position[:, 2])
+    return shape.running_height(position)
 
 
 def _row(

@@ -9,7 +9,8 @@ import math
 from dataclasses import dataclass
 
 from tautwire.line.expand import expand
-from tautwire.line.measures import attachment_intervals, intervals, span_lengths
+from tautwire.line.measures import intervals, span_lengths
+from tautwire.model.mesh import element_lengths
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 
@@ -105,39 +106,43 @@ def wave_quantities(case: Case) -> tuple[WaveQuantity, ...]:
 
 
 def _wave_rows(case: Case) -> list[WaveQuantity]:
-    contact, messenger, speed = case.wires.contact, case.wires.messenger, case.scenario.speed
+    contact, speed = case.wires.contact, case.scenario.speed
     wave = contact.wave_speed()
-    reflection = reflection_coefficient(
-        contact.tension, contact.mass, messenger.tension, messenger.mass
-    )
     doppler = doppler_factor(speed, wave)
-    messenger_wave = messenger.wave_speed()
-    amplification = amplification_factor(reflection, doppler)
-    return [
-        WaveQuantity("wave speed of the contact wire", wave, "m/s", "c = sqrt(T/m)"),
-        WaveQuantity("wave speed of the messenger wire", messenger_wave, "m/s", "sqrt(T/m)"),
+    rows = [WaveQuantity("wave speed of the contact wire", wave, "m/s", "c = sqrt(T/m)")]
+    messenger = case.wires.messenger
+    if messenger is not None:
+        speed_above = messenger.wave_speed()
+        name = "wave speed of the messenger wire"
+        rows.append(WaveQuantity(name, speed_above, "m/s", "sqrt(T/m)"))
+    rows += [
         WaveQuantity("0.7 of the wave speed", 0.7 * wave, "m/s", "0.7 c"),
         WaveQuantity("speed over wave speed", speed / wave, "1", "v/c"),
         WaveQuantity("Doppler factor", doppler, "1", "(c - v)/(c + v)"),
-        WaveQuantity(
-            "reflection coefficient of a dropper",
-            reflection,
-            "1",
-            "sqrt(T_m m_m)/(sqrt(T_m m_m) + sqrt(T_c m_c))",
-        ),
-        WaveQuantity("amplification factor", amplification, "1", "reflection / Doppler"),
     ]
+    if messenger is not None:
+        reflection = reflection_coefficient(
+            contact.tension, contact.mass, messenger.tension, messenger.mass
+        )
+        amplification = amplification_factor(reflection, doppler)
+        law = "sqrt(T_m m_m)/(sqrt(T_m m_m) + sqrt(T_c m_c))"
+        rows += [
+            WaveQuantity("reflection coefficient of a dropper", reflection, "1", law),
+            WaveQuantity("amplification factor", amplification, "1", "reflection / Doppler"),
+        ]
+    return rows
 
 
 def _static_rows(case: Case) -> list[WaveQuantity]:
-    wires = case.wires
+    contact = sum(wire.tension for _, wire in case.wires.of_role("contact"))
+    above = sum(wire.tension for _, wire in case.wires.of_role("messenger", "auxiliary"))
     longest = max(span_lengths(expand(case)))
     rows = [
         WaveQuantity(
             "mid-span elasticity, estimate",
-            midspan_elasticity(longest, wires.contact.tension, wires.messenger.tension),
+            midspan_elasticity(longest, contact, above),
             "m/N",
-            "L/(4 (T_c + T_m)), longest span",
+            "L/(4 sum(T)), longest span",
         )
     ]
     for pantograph in case.pantographs:
@@ -159,8 +164,7 @@ def _passing_rows(case: Case) -> list[WaveQuantity]:
     rows = []
     for name, length in passing_lengths(case).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    shortest, _ = attachment_intervals(expand(case))
-    element = shortest / (case.settings.nodes_between_droppers - 1)
+    element, _ = element_lengths(expand(case), case.settings)
     rows.append(
         WaveQuantity(
             "passing of the shortest element (numerical)",

@@ -35,7 +35,7 @@ from tautwire.inputs.paths import (
 )
 from tautwire.inputs.reach import Reach
 from tautwire.inputs.tables import Cells, Column
-from tautwire.specs.case import SCHEMA_VERSION
+from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -198,6 +198,7 @@ class _Composer:
         _refuse_foreign(document, at)
         own = dict(document.content)
         _check_schema(own.get("schema", SCHEMA_VERSION), document.label)
+        own = upgraded(own)
         if at:
             own.pop("schema", None)
         tables, template = own.pop("tables", None), own.pop("template", None)
@@ -390,10 +391,11 @@ def _columns_at(at: ValuePath, names: tuple[str, ...]) -> list[Column]:
 
 
 def _check_schema(version: object, label: str) -> None:
-    if version != SCHEMA_VERSION or isinstance(version, bool):
+    if version not in READ_VERSIONS or isinstance(version, bool):
         raise InputError(
-            f"{label}: schema: got {shown(version)}; this program reads version {SCHEMA_VERSION} "
-            f"of the input format. Write 'schema: {SCHEMA_VERSION}', and compare the file with the "
+            f"{label}: schema: got {shown(version)}; this program reads versions 1 and "
+            f"{SCHEMA_VERSION} of the input format. Write 'schema: {SCHEMA_VERSION}', and compare "
+            "the file with the "
             "input reference if it was written for another version"
         )
 

@@ -19,8 +19,9 @@ from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
 from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
-from tautwire.specs.case import SCHEMA_VERSION, Case
+from tautwire.specs.case import Case
 from tautwire.specs.settings import NOT_GIVEN
+from tautwire.specs.upgrade import SCHEMA_VERSION
 
 
 def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:

@@ -85,10 +85,13 @@ def _check_path(path: Path) -> None:
     if path[0] in PROTECTED:
         raise PathError(f"{format_path(path)}: cannot be overridden; edit the file")
     for depth in range(1, len(path)):
-        above, is_list = format_path(path[:depth]), find_target(path[:depth]).holds_list()
+        above, target = format_path(path[:depth]), find_target(path[:depth])
+        is_list = target.holds_list()
         if isinstance(path[depth], int) and not is_list:
             raise PathError(f"{above}: is not a list; leave out the index")
         if isinstance(path[depth], str) and isinstance(path[depth - 1], str) and is_list:
+            if target.holds_mapping():
+                continue
             item = format_path((*path[:depth], 0, path[depth]))
             raise PathError(f"{above}: is a list; say which item, as in {item}")
     find_target(path)

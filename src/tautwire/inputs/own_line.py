@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from tautwire.inputs.paths import format_path
-from tautwire.specs.case import SCHEMA_VERSION
+from tautwire.specs.upgrade import SCHEMA_VERSION
 from tautwire.units import to_unit
 
 TEMPLATE = "tautwire new"

@@ -10,15 +10,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
+from pydantic import Tag
 from pydantic.fields import FieldInfo
 
 from tautwire.inputs.files import did_you_mean
-from tautwire.specs.base import FORMS, Quantity, Spec, Typical
+from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
 from tautwire.specs.vocabulary import PAGE, meaning_of
 
 Path = tuple[str | int, ...]
-_STEP = re.compile(r"([A-Za-z_]\w*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
+_STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
 
 
 class PathError(ValueError):
@@ -47,6 +48,12 @@ class Target:
         """Tell whether the field can be given as a list."""
         return self.field is not None and any(
             get_origin(part) is tuple for part in _parts(self.field.annotation)
+        )
+
+    def holds_mapping(self) -> bool:
+        """Tell whether the field can be given as a mapping instead of a list."""
+        return self.field is not None and any(
+            isinstance(part, Tag) and part.tag == MAPPING for part in _parts(self.field.annotation)
         )
 
     def _marks(self) -> Iterator[Any]:
@@ -106,6 +113,9 @@ def find_target(path: Path) -> Target:
         if isinstance(step, int):
             continue
         fields = fields_by_key(spec) if spec is not None else {}
+        if step not in fields and spec is not None and spec.named_items is not None:
+            field, spec = None, spec.named_items
+            continue
         if step not in fields:
             place = format_path(path[: depth + 1])
             raise PathError(f"{place}: {unknown_key(step, fields, format_path(path[:depth]))}")

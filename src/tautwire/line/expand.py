@@ -6,29 +6,32 @@ The only reader of spans, positions and pre-sags.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tautwire.errors import ModelError
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
-from tautwire.line.labels import HangerLabel, MastLabel, place
+from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
     End,
     GivenHeight,
     GivenLength,
     Hanger,
+    Joint,
     Line,
     Registration,
-    Role,
     Run,
     Suspension,
 )
+from tautwire.line.plan import Plan, plans
+from tautwire.line.registration import arm_ends
 from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.support import Supports
+from tautwire.specs.line.wire import Wire
 
-STRAIGHT = 1e-6
-"""Change of direction [rad] below which a wire runs straight past a support."""
+Values = tuple[float, ...]
 
 
 def expand(case: Case) -> Line:
@@ -42,123 +45,229 @@ def expand(case: Case) -> Line:
     Raises
     ------
     ModelError
-        When steady arms have nothing to pull; every one of them is named.
+        When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
-    masts = case.line.support_positions()
+    whole = plans(case)
+    runs = [run for plan in whole for run in _Expansion(case, plan).runs()]
+    hangers = [hanger for plan in whole for hanger in _Expansion(case, plan).hangers()]
+    registrations = [r for plan in whole for r in _Expansion(case, plan).registrations()]
+    suspensions = [s for plan in whole for s in _Expansion(case, plan).suspensions()]
+    joints = [joint for plan in whole for joint in _Expansion(case, plan).joints()]
+    carried = len({hanger.lower.run for hanger in hangers})
     return Line(
-        masts=masts,
-        runs=tuple(_runs(case, masts)),
-        hangers=tuple(_hangers(case, masts)),
-        registrations=tuple(_registrations(case, masts)),
-        suspensions=tuple(_suspensions(case, masts)),
+        masts=case.line.support_positions(),
+        runs=tuple(runs),
+        hangers=_numbered(hangers, case.line.support_positions(), carried),
+        registrations=tuple(sorted(registrations, key=lambda piece: piece.at.s)),
+        suspensions=tuple(sorted(suspensions, key=lambda piece: piece.at.s)),
+        joints=tuple(joints),
     )
 
 
-def _runs(case: Case, masts: tuple[float, ...]) -> Iterator[Run]:
-    spec, count, ends = case.supports, len(masts), case.line.ends
-    contact_z = spec.contact_heights(count)
-    messenger_z = [z + e for z, e in zip(contact_z, spec.encumbrances(count), strict=True)]
-    roles: tuple[Role, Role] = ("contact", "messenger")
-    heights = (contact_z, messenger_z)
-    laterals = (spec.contact_staggers(count), spec.messenger_staggers(count))
-    for role, y, z in zip(roles, laterals, heights, strict=True):
-        wire = case.wires.contact if role == "contact" else case.wires.messenger
-        start = End(masts[0], y[0], z[0], ends.left)
-        yield Run(role, wire, role, start, End(masts[-1], y[-1], z[-1], ends.right))
+class _Expansion:
+    """The pieces of one tension length."""
 
+    def __init__(self, case: Case, plan: Plan) -> None:
+        self.case, self.plan = case, plan
+        self.masts = case.line.support_positions()
+        count = len(self.masts)
+        spec = case.supports
+        self.contact_z = plan.contact_z
+        self.messenger_z = _sum(spec.contact_heights(count), spec.encumbrances(count))
+        self.contact_y = _sum(spec.contact_staggers(count), plan.shift)
+        self.messenger_y = _sum(spec.messenger_staggers(count), plan.shift)
 
-def _hangers(case: Case, masts: tuple[float, ...]) -> Iterator[Hanger]:
-    spec, spans = case.droppers, case.line.spans
-    positions = spec.positions_by_span(spans)
-    heights = case.supports.contact_heights(len(masts))
-    drops, lengths = spec.presag_by_span(spans), spec.lengths_by_span(spans)
-    for span, in_span in enumerate(positions):
-        for index, position in enumerate(in_span):
-            s = masts[span] + position
-            if spec.mode == "height":
-                level = float(np.interp(s, masts, heights))
-                given = GivenHeight(level, drops[span][index])
-            else:
-                given = GivenLength(lengths[span][index], spec.length_kind == "stretched")
-            yield Hanger(
-                label=HangerLabel.of_index(span, index),
-                upper=At("messenger", s),
-                lower=At("contact", s),
-                given=given,
-                stiffness=spec.stiffness,
-                mass=spec.mass,
-                clamps=(spec.clamp_messenger, spec.clamp_contact),
+    def runs(self) -> Iterator[Run]:
+        for name, wire in self.case.wires.named():
+            if wire.role == "stitch":
+                yield from self._stitches(name, wire)
+                continue
+            y, z = self._place(wire)
+            assert wire.role is not None
+            first, last, ends = self.plan.first, self.plan.last, self.plan.ends
+            yield Run(
+                self.plan.run(name),
+                wire,
+                wire.role,
+                End(self.masts[first], y[first], z[first], ends.left),
+                End(self.masts[last], y[last], z[last], ends.right),
             )
 
+    def _place(self, wire: Wire) -> tuple[Values, Values]:
+        """Return lateral position and height of a wire at all masts."""
+        if wire.role == "contact":
+            return tuple(y + wire.side for y in self.contact_y), self.contact_z
+        below = wire.below or 0.0
+        return self.messenger_y, tuple(z - below for z in self.messenger_z)
 
-def _closure(spec: Supports) -> Closure:
+    def _stitched_masts(self) -> list[int]:
+        return [mast for mast in self.plan.inner if mast not in self.plan.raised]
+
+    def _stitches(self, name: str, wire: Wire) -> Iterator[Run]:
+        host = self.plan.run(wire.clamped_to or "")
+        for mast in self._stitched_masts():
+            ends = [
+                End(
+                    s=self.masts[mast] + float(offset or 0.0),
+                    y=self._lateral(self.masts[mast] + float(offset or 0.0)),
+                    z=self.messenger_z[mast],
+                    kind="clamped",
+                    host=host,
+                )
+                for offset in (wire.from_, wire.to)
+            ]
+            yield Run(self._stitch(name, mast), wire, "stitch", ends[0], ends[1])
+
+    def _stitch(self, name: str, mast: int) -> str:
+        return f"{self.plan.run(name)} {MastLabel.of_index(mast).number}"
+
+    def _lateral(self, s: float) -> float:
+        return float(np.interp(s, self.masts, self.messenger_y))
+
+    def joints(self) -> Iterator[Joint]:
+        for run in self.runs():
+            for end in (run.start, run.end):
+                if end.kind == "clamped":
+                    yield Joint(At(end.host, end.s), At(run.name, end.s), run.wire.clamp)
+
+    def hangers(self) -> Iterator[Hanger]:
+        for one in self.case.dropper_sets:
+            yield from self._about_masts(one) if one.about == "mast" else self._in_spans(one)
+        yield from self._raising()
+
+    def _in_spans(self, one: Droppers) -> Iterator[Hanger]:
+        spans = self.case.line.spans
+        rows = one.positions_by_span(spans)
+        drops, lengths = one.presag_by_span(spans), one.lengths_by_span(spans)
+        for span in range(self.plan.first, self.plan.last):
+            for index, position in enumerate(rows[span]):
+                drop = drops[span][index] if one.mode == "height" else 0.0
+                length = lengths[span][index] if one.mode == "length" else 0.0
+                s = self.masts[span] + position
+                yield from self._hanger(one, s, (drop, length), self.plan.run(one.upper))
+
+    def _about_masts(self, one: Droppers) -> Iterator[Hanger]:
+        count = self.case.line.spans - 1
+        rows = one.positions_by_span(count)
+        drops, lengths = one.presag_by_span(count), one.lengths_by_span(count)
+        is_stitch = dict(self.case.wires.named())[one.upper].role == "stitch"
+        for mast in self._stitched_masts() if is_stitch else self.plan.inner:
+            upper = self._stitch(one.upper, mast) if is_stitch else self.plan.run(one.upper)
+            for index, position in enumerate(rows[mast - 1]):
+                drop = drops[mast - 1][index] if one.mode == "height" else 0.0
+                length = lengths[mast - 1][index] if one.mode == "length" else 0.0
+                yield from self._hanger(one, self.masts[mast] + position, (drop, length), upper)
+
+    def _hanger(
+        self, one: Droppers, s: float, values: tuple[float, float], upper: str
+    ) -> Iterator[Hanger]:
+        """Yield a hanger, unless it would hold a contact wire that is raised."""
+        wire = dict(self.case.wires.named())[one.lower]
+        low, high = self.plan.droppers
+        if wire.role == "contact" and not low <= s <= high:
+            return
+        given: GivenHeight | GivenLength
+        if one.mode == "height":
+            given = GivenHeight(self._level(wire, s), values[0])
+        else:
+            given = GivenLength(values[1], one.length_kind == "stretched")
+        yield Hanger(
+            label=HangerLabel(0, 0),
+            upper=At(upper, s),
+            lower=At(self.plan.run(one.lower), s),
+            given=given,
+            stiffness=one.stiffness,
+            mass=one.mass,
+            clamps=(one.clamp_messenger, one.clamp_contact),
+        )
+
+    def _level(self, wire: Wire, s: float) -> float:
+        """Return the height of a wire without pre-sag [m]."""
+        running = self.case.supports.contact_heights(len(self.masts))
+        heights = running if wire.role == "contact" else self._place(wire)[1]
+        return float(np.interp(s, self.masts, heights))
+
+    def _raising(self) -> Iterator[Hanger]:
+        """Yield what a raised contact wire hangs on at its support."""
+        if self.case.wires.messenger is None:
+            return
+        sets = {one.lower: one for one in self.case.dropper_sets}
+        for mast in sorted(self.plan.raised):
+            for name, _ in self.case.wires.of_role("contact"):
+                one = sets[name]
+                yield Hanger(
+                    label=HangerLabel(0, 0),
+                    upper=At(self.plan.run("messenger"), self.masts[mast]),
+                    lower=At(self.plan.run(name), self.masts[mast]),
+                    given=GivenHeight(self.contact_z[mast], 0.0),
+                    stiffness=one.stiffness,
+                    mass=one.mass,
+                    clamps=(one.clamp_messenger, one.clamp_contact),
+                )
+
+    def registrations(self) -> Iterator[Registration]:
+        spec = self.case.supports
+        for name, wire in self.case.wires.of_role("contact"):
+            y, _ = self._place(wire)
+            masts = range(self.plan.first, self.plan.last + 1)
+            ends = arm_ends(spec, masts, self.masts, y, self.contact_z)
+            for mast in self.plan.inner:
+                is_raised = mast in self.plan.raised and self.case.wires.messenger is not None
+                yield Registration(
+                    label=MastLabel.of_index(mast),
+                    at=At(self.plan.run(name), self.masts[mast]),
+                    y=y[mast],
+                    z=self.contact_z[mast],
+                    kind=_closure(spec, is_raised=is_raised),
+                    clamp=spec.clamp,
+                    end=ends.get(mast),
+                    is_fixed_along=mast == self.plan.fixed_point,
+                )
+
+    def suspensions(self) -> Iterator[Suspension]:
+        spec = self.case.supports
+        for name, wire in self.case.wires.of_role("messenger"):
+            for mast in self.plan.inner:
+                is_fixed = mast == self.plan.fixed_point
+                yield Suspension(
+                    label=MastLabel.of_index(mast),
+                    at=At(self.plan.run(name), self.masts[mast]),
+                    y=self.messenger_y[mast] + wire.side,
+                    z=self.messenger_z[mast],
+                    stiffness=spec.messenger_stiffness,
+                    damping=spec.messenger_damping,
+                    is_fixed_along=is_fixed or spec.messenger_longitudinal == "fixed",
+                )
+
+
+def _sum(values: Values, shift: Values) -> Values:
+    return tuple(y + by for y, by in zip(values, shift, strict=True))
+
+
+def _closure(spec: Supports, *, is_raised: bool) -> Closure:
+    """Return what is known about a contact wire at a support.
+
+    A raised wire hangs from its messenger wire; its arm only holds it sideways.
+    """
     if spec.closure == "spring" and spec.spring is not None:
         return Spring(spec.spring)
+    if is_raised:
+        return Lift(spec.arm, 0.0)
     if spec.closure == "lift":
         return Lift(spec.arm, spec.lift)
     return GivenArm(spec.arm) if spec.closure == "arm" else Height(spec.arm)
 
 
-def _registrations(case: Case, masts: tuple[float, ...]) -> Iterator[Registration]:
-    spec, count = case.supports, len(masts)
-    y, z = spec.contact_staggers(count), spec.contact_heights(count)
-    ends = _arm_ends(spec, masts, y, z) if spec.closure == "arm" else {}
-    kind = _closure(spec)
-    for mast in range(1, count - 1):
-        yield Registration(
-            label=MastLabel.of_index(mast),
-            at=At("contact", masts[mast]),
-            y=y[mast],
-            z=z[mast],
-            kind=kind,
-            clamp=spec.clamp,
-            end=ends.get(mast),
-        )
-
-
-def _arm_ends(
-    spec: Supports, masts: tuple[float, ...], y: tuple[float, ...], z: tuple[float, ...]
-) -> dict[int, tuple[float, float]]:
-    """Return the far ends (y, z) of given arms by index of the support [m]."""
-    inner = range(1, len(masts) - 1)
-    if spec.arm_end_y is not None and spec.arm_end_z is not None:
-        given = zip(spec.arm_end_y, spec.arm_end_z, strict=True)
-        return {
-            mast: (end_y, end_z)
-            for mast, (end_y, end_z) in enumerate(given)
-            if mast in inner and end_y is not None and end_z is not None
-        }
-    angle = float(spec.arm.angle or 0.0)
-    side = _pulling_sides(masts, y)
-    reach, rise = spec.arm.length * np.cos(angle), spec.arm.length * np.sin(angle)
-    return {m: (float(y[m] + side[m - 1] * reach), float(z[m] + rise)) for m in inner}
-
-
-def _pulling_sides(masts: tuple[float, ...], y: tuple[float, ...]) -> list[float]:
-    """Return +1 or -1 for each support: the side to which its arm must pull."""
-    bend = np.diff(np.diff(y) / np.diff(masts))
-    faults = [
-        f"{place(MastLabel.of_index(int(i) + 1), masts[i + 1])}: the contact wire runs straight "
-        "there, so a steady arm has nothing to pull; give it stagger (supports.contact_stagger), "
-        "give the far ends (arm_end_y, arm_end_z) or use closure 'spring'"
-        for i in np.flatnonzero(np.abs(bend) < STRAIGHT)
-    ]
-    if faults:
-        raise ModelError("\n".join(faults))
-    return list(-np.sign(bend))
-
-
-def _suspensions(case: Case, masts: tuple[float, ...]) -> Iterator[Suspension]:
-    spec, count = case.supports, len(masts)
-    y = spec.messenger_staggers(count)
-    z = [c + e for c, e in zip(spec.contact_heights(count), spec.encumbrances(count), strict=True)]
-    for mast in range(1, count - 1):
-        yield Suspension(
-            label=MastLabel.of_index(mast),
-            at=At("messenger", masts[mast]),
-            y=y[mast],
-            z=z[mast],
-            stiffness=spec.messenger_stiffness,
-            damping=spec.messenger_damping,
-            is_fixed_along=spec.messenger_longitudinal == "fixed",
-        )
+def _numbered(hangers: list[Hanger], masts: Values, wires: int) -> tuple[Hanger, ...]:
+    """Give the hangers their numbers, span by span, those of each wire below apart."""
+    inner = np.array(masts[1:-1])
+    ordered = sorted(hangers, key=lambda hanger: hanger.lower.s)
+    counts: dict[tuple[int, str], int] = {}
+    found = []
+    for hanger in ordered:
+        span = int(np.searchsorted(inner, hanger.lower.s, side="right"))
+        lower = hanger.lower.run if wires > 1 else ""
+        index = counts.get((span, lower), 0)
+        counts[span, lower] = index + 1
+        found.append(replace(hanger, label=HangerLabel.of_index(span, index, lower)))
+    return tuple(found)

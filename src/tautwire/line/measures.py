@@ -95,6 +95,16 @@ def attachment_intervals(line: Line) -> tuple[float, float]:
     return min(gaps), max(gaps)
 
 
+def longest_hung_interval(line: Line) -> float:
+    """Return the longest distance between neighbours in spans with droppers [m].
+
+    The longest of all where nothing hangs.
+    """
+    found = intervals(line)
+    _, longest = attachment_intervals(line)
+    return max([*found.between, *found.beside], default=longest)
+
+
 def contact_mass(line: Line, dropper_lengths: Array, first: int, last: int) -> float:
     """Return the mean mass of a contact wire within some spans as it moves [kg/m].
 

@@ -121,10 +121,18 @@ class Hanger:
 
 @dataclass(frozen=True)
 class Joint:
-    """Two runs clamped to each other at one place, turning freely."""
+    """Two runs clamped to each other at one place, turning freely.
+
+    Attributes
+    ----------
+    host, other : At
+    clamp : float kg
+        Mass, on the host.
+    """
 
     host: At
     other: At
+    clamp: float
 
 
 @dataclass(frozen=True)
@@ -141,6 +149,8 @@ class Registration:
     clamp : float kg
     end : (float, float) or None
         Far end (y, z) of a given arm [m].
+    is_fixed_along : bool
+        Whether the wire is held along the track once the shape is found.
     """
 
     label: MastLabel
@@ -150,6 +160,7 @@ class Registration:
     kind: Closure
     clamp: float
     end: tuple[float, float] | None = None
+    is_fixed_along: bool = False
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def build(case: Case) -> Model:
     Model
     """
     line = expand(case)
-    mesh = divide(line, case.settings.nodes_between_droppers)
+    mesh = divide(line, case.settings)
     drawn = draw_irregularities(case)
     gravity = case.line.gravity
     lumped = _lumped_masses(line, mesh)
@@ -101,6 +101,7 @@ def build(case: Case) -> Model:
         tie_slot=_hanger_slots(line, mesh),
         gravity=gravity,
         taut=np.ones(len(line.hangers), dtype=bool),
+        joints=_sought_joints(line, mesh),
     )
     return Model(case, line, mesh, drawn, problem)
 
@@ -111,19 +112,31 @@ def _lumped_masses(line: Line, mesh: Mesh) -> Array:
     for hanger in line.hangers:
         mass[mesh.node(hanger.upper)] += hanger.clamps[0]
         mass[mesh.node(hanger.lower)] += hanger.clamps[1]
+    for joint in line.joints:
+        mass[mesh.node(joint.host)] += joint.clamp
     for piece in line.registrations:
         mass[mesh.node(piece.at)] += piece.clamp + piece.kind.mass
     return mass
 
 
 def _laterals(line: Line, strand: Strand) -> Array:
-    """Return the nominal lateral position of the nodes of a strand: straight between supports."""
-    run = strand.run
-    pieces = (*line.registrations, *line.suspensions)
-    known = {end.s: end.y for end in (run.start, run.end)}
-    known |= {piece.at.s: piece.y for piece in pieces if piece.at.run == run.name}
+    """Return the nominal lateral position of the nodes of a strand: straight between supports.
+
+    A wire that no support holds, only other wires, lies under the one above.
+    """
+    known = _known_laterals(line, strand.run)
+    for hanger in line.hangers:
+        if len(known) == 2 and hanger.lower.run == strand.run.name:
+            above = _known_laterals(line, line.by_name[hanger.upper.run])
+            return np.interp(strand.s, sorted(above), [above[s] for s in sorted(above)])
     places = sorted(known)
     return np.interp(strand.s, places, [known[s] for s in places])
+
+
+def _known_laterals(line: Line, run: Run) -> dict[float, float]:
+    pieces = (*line.registrations, *line.suspensions)
+    known = {end.s: end.y for end in (run.start, run.end)}
+    return known | {piece.at.s: piece.y for piece in pieces if piece.at.run == run.name}
 
 
 def _points(line: Line, strand: Strand, guess: Guess) -> Array:
@@ -197,7 +210,11 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
     load = np.zeros((mesh.node_count, 6))
     load[:, 2] -= lumped * gravity
     for strand in mesh.strands:
-        load[strand.nodes[-1], 0] = strand.run.wire.tension
+        load[strand.nodes[-1], 0] += strand.run.wire.tension
+    for joint in line.joints:
+        run = line.by_name[joint.other.run]
+        if joint.other.s == run.end.s:
+            load[mesh.node(joint.host), 0] -= run.wire.tension
     for group in groups(line, mesh):
         load[group.nodes, 2] += group.kind.design_lift(gravity)
     return load.ravel()
@@ -207,13 +224,26 @@ def _held(line: Line, mesh: Mesh) -> NDArray[np.bool_]:
     """Return the degrees of freedom held while the shape is sought."""
     held = np.zeros((mesh.node_count, 6), dtype=bool)
     for strand in mesh.strands:
-        held[strand.nodes[0], :3] = True
-        held[strand.nodes[-1], 1:3] = True
+        held[strand.nodes[0], :3] = strand.run.start.kind != "clamped"
+        held[strand.nodes[-1], 1:3] = strand.run.end.kind != "clamped"
     held[mesh.nodes(piece.at for piece in line.suspensions), 1:3] = True
     for group in groups(line, mesh):
         for direction in group.kind.held:
             held[group.nodes, direction] = True
     return held.ravel()
+
+
+def _sought_joints(line: Line, mesh: Mesh) -> Index:
+    """Return the joints at the left ends of clamped wires: their force along the track is sought.
+
+    At the right end it is the tension of the wire.
+    """
+    ends = [
+        (6 * mesh.node(joint.host), 6 * mesh.node(joint.other))
+        for joint in line.joints
+        if joint.other.s == line.by_name[joint.other.run].start.s
+    ]
+    return np.array(ends, dtype=np.int64).reshape(-1, 2)
 
 
 def _hanger_slots(line: Line, mesh: Mesh) -> Index:

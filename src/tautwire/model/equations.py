@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tautwire.model.build import Model
 from tautwire.model.registrations import registrations_at_rest, suspension_grounds
-from tautwire.numerics.network.parts import Stays
+from tautwire.numerics.network.parts import Clamps, Stays
 from tautwire.numerics.network.system import System, weight_load
 from tautwire.results.equilibrium import Equilibrium
 
@@ -47,6 +47,7 @@ def equations(model: Model, shape: Equilibrium) -> System:
         ties=built.ties.of_length(shape.dropper_lengths_unstrained),
         stays=stays,
         grounds=grounds,
+        clamps=_clamps(built.clamps, shape),
         fixed=fixed.ravel(),
         load=load.ravel(),
     )
@@ -63,9 +64,18 @@ def _ends_and_suspensions(model: Model, shape: Equilibrium) -> tuple[NDArray[np.
     for number, strand in enumerate(mesh.strands):
         ends = (strand.run.start, strand.nodes[0]), (strand.run.end, strand.nodes[-1])
         for side, (end, node) in enumerate(ends):
-            fixed[node, 1:3] = True
+            fixed[node, 1:3] = end.kind != "clamped"
             fixed[node, 0] = end.kind == "anchored"
             load[node, 0] += shape.end_pulls[side, number]
     for piece in model.line.suspensions:
         fixed[mesh.node(piece.at), :2] = piece.is_fixed_along, True
+    for piece in model.line.registrations:
+        fixed[mesh.node(piece.at), 0] = piece.is_fixed_along
     return fixed, load
+
+
+def _clamps(clamps: Clamps, shape: Equilibrium) -> Clamps:
+    """Return the joints so that in the found shape they pull as they should."""
+    r = shape.position.reshape(-1, 6)[:, :3]
+    apart = r[clamps.nodes[:, 1]] - r[clamps.nodes[:, 0]]
+    return clamps.with_(offset=apart - shape.joint_pulls / clamps.stiffness[:, None])

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.expand import expand
 from tautwire.numerics.motion.stepper import SurfaceProfile
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
@@ -33,8 +34,7 @@ def draw_irregularities(case: Case) -> DrawnIrregularities:
         Its ``irregularities`` and ``settings.seed`` decide everything.
     """
     spec, seed = case.irregularities, case.settings.seed
-    counts = [len(span) for span in case.droppers.positions_by_span(case.line.spans)]
-    errors = np.zeros(sum(counts))
+    errors = np.zeros(len(expand(case).hangers))
     if spec.installation is not None:
         random = _stream(seed, _INSTALLATION)
         errors = _installation_errors(spec.installation, len(errors), case.line.spans, random)

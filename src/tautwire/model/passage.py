@@ -82,8 +82,7 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     start_x = case.settings.start if sign > 0 else length - case.settings.start
     duration = (length - 2.0 * case.settings.start) / case.scenario.speed
     _check_length(model, duration)
-    wire = shape.contact_position
-    height = float(np.interp(start_x, wire[:, 0], wire[:, 2]))
+    height = float(shape.running_height(np.array(start_x)))
     surface = surface_profile(model.irregularities)
     height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
     running = _running_heights(model, shape)
@@ -98,6 +97,7 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
             ramp=case.settings.ramp,
             roof=_roof(spec),
             surface=surface,
+            reach=0.5 * spec.head_length if len(shape.of_role("contact")) > 1 else np.inf,
         )
         for spec, force in zip(case.pantographs, forces, strict=True)
     )
@@ -118,8 +118,7 @@ def _running_heights(model: Model, shape: Equilibrium) -> Array:
     first, last = model.case.resolved_section()
     supports = np.array(model.case.line.support_positions()[first - 1 : last + 1])
     at = np.linspace(supports[:-1], supports[1:], _POINTS_PER_SPAN)
-    wire = shape.contact_position
-    return np.interp(at, wire[:, 0], wire[:, 2]).mean(axis=0)
+    return shape.running_height(at).mean(axis=0)
 
 
 def _stage_forces(

@@ -12,6 +12,7 @@ from typing import Literal
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import attachment_intervals
+from tautwire.model import mesh
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 from tautwire.specs.settings import NOT_GIVEN
@@ -92,14 +93,8 @@ def preflight(case: Case) -> tuple[Advice, ...]:
 
 
 def element_lengths(case: Case) -> tuple[float, float]:
-    """Return the lengths of the shortest and of the longest wire element of the mesh [m].
-
-    The intervals between neighbouring attachment points are divided evenly into
-    ``nodes_between_droppers - 1`` elements.
-    """
-    shortest, longest = attachment_intervals(expand(case))
-    elements = case.settings.nodes_between_droppers - 1
-    return shortest / elements, longest / elements
+    """Return the lengths of the shortest and of the longest wire element of the mesh [m]."""
+    return mesh.element_lengths(expand(case), case.settings)
 
 
 def _not_given(case: Case) -> Iterator[Advice]:

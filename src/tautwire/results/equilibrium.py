@@ -163,6 +163,14 @@ class Equilibrium:
         """Return the wires with a role."""
         return tuple(wire for wire in self.wires if wire.role == role)
 
+    def running_height(self, s: Array) -> Array:
+        """Return the height of the lowest contact wire at some places, shaped as ``s`` [m]."""
+        heights = [
+            np.interp(s, wire.s, wire.position[:, 2], left=np.inf, right=np.inf)
+            for wire in self.of_role("contact")
+        ]
+        return np.min(heights, axis=0)
+
     @property
     def contact(self) -> WireShape:
         """The first contact wire."""

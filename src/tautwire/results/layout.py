@@ -100,6 +100,13 @@ PANTOGRAPH = (
         "height of the contact wire at the pantograph",
     ),
     Entry(
+        "wire_force",
+        "wire_forces",
+        ("pantograph", "time", "contact_wire"),
+        "N",
+        "share of each contact wire in the contact force, NaN where the head does not reach it",
+    ),
+    Entry(
         "stage_height",
         "stage_heights",
         ("pantograph", "time", "stage"),

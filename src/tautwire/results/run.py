@@ -56,7 +56,10 @@ class PantographRecord:
     gap : (n_time,) m
         Height of the wire above the head; negative while in contact (penetration).
     wire_height : (n_time,) m
-        Height of the contact wire at the pantograph.
+        Height of the contact wire at the pantograph; of several the one next to the head.
+    wire_forces : (n_time, n_contact_wire) N
+        Share of every contact wire of the line, in the order of ``Equilibrium.wires``; NaN where
+        the head does not reach it.
     stage_heights : (n_time, n_stage) m
         Displacement of the stages from their starting position, head first.
     active : (n_time,) bool
@@ -70,6 +73,7 @@ class PantographRecord:
     contact_force: Array
     gap: Array
     wire_height: Array
+    wire_forces: Array
     stage_heights: Array
     active: NDArray[np.bool_]
 

@@ -94,6 +94,9 @@ class Spec(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, validate_by_name=True
     )
 
+    named_items: ClassVar[type[Spec] | None] = None
+    """What a spec with keys of any name holds under them."""
+
     catalogue_kinds: ClassVar[tuple[str, ...]] = ()
     """Kinds of catalogue entries that ``use`` may name in a mapping of this spec."""
 
@@ -120,6 +123,7 @@ class Spec(BaseModel):
             When the changed spec is not valid.
         """
         own = {name: getattr(self, name) for name in type(self).model_fields}
+        own |= self.model_extra or {}
         nested: dict[str, dict[str, Any]] = {}
         for path, value in changes.items():
             head, _, rest = path.partition(".")

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from tautwire.specs.base import Spec, Typical, refuse
+from tautwire.specs.base import LIST, MAPPING, Spec, Typical, form_of, refuse
 from tautwire.specs.checks import find_contradictions
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
 from tautwire.specs.line.support import Supports
+from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
+from tautwire.specs.upgrade import upgraded
 
-SCHEMA_VERSION = 1
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
 
@@ -44,8 +46,8 @@ class Source(Spec):
 class Case(Spec):
     """One simulation: line, wires, supports, droppers, pantographs, scenario, settings."""
 
-    schema_version: Annotated[Literal[1], Typical("1")] = Field(
-        default=1, alias="schema", description="Version of the input format."
+    schema_version: Annotated[Literal[2], Typical("2")] = Field(
+        default=2, alias="schema", description="Version of the input format; 1 is read too."
     )
     name: Annotated[Name, Typical("my-line")] = Field(
         description="Short name, used in results and file names."
@@ -55,9 +57,22 @@ class Case(Spec):
     )
     description: str = Field(default="", description="Free text for the report.")
     line: Line = Field(description="Spans, wire ends and damping.")
-    wires: Wires = Field(description="The contact wire and the messenger wire.")
+    wires: Wires = Field(description="The wires.")
     supports: Supports = Field(description="Where and how the wires are held.")
-    droppers: Droppers = Field(description="The droppers.")
+    droppers: Annotated[
+        Annotated[Droppers, Tag(MAPPING)] | Annotated[tuple[Droppers, ...], Tag(LIST)],
+        Discriminator(form_of),
+    ] = Field(description="The droppers: one set, or a list of sets; none with an empty list.")
+    tension_lengths: tuple[TensionLength, ...] = Field(
+        default=(),
+        description="Tension lengths from left to right; a single one over all supports, with "
+        "line.ends, if left out.",
+    )
+    overlaps: tuple[Overlap, ...] = Field(
+        default=(),
+        description="How neighbouring tension lengths overlap, from left to right: one overlap for "
+        "all, or one each.",
+    )
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."
     )
@@ -73,10 +88,20 @@ class Case(Spec):
         default=(), description="Where the numbers come from, shown in the report."
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _upgrade(cls, data: Any) -> Any:
+        return upgraded(data) if isinstance(data, Mapping) else data
+
     @model_validator(mode="after")
     def _check_parts_together(self) -> Case:
         refuse(find_contradictions({name: getattr(self, name) for name in type(self).model_fields}))
         return self
+
+    @property
+    def dropper_sets(self) -> tuple[Droppers, ...]:
+        """All sets of droppers."""
+        return self.droppers if isinstance(self.droppers, tuple) else (self.droppers,)
 
     def hash(self) -> str:
         """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from tautwire.specs.base import Problem
@@ -11,6 +12,7 @@ from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import check_irregularities
 from tautwire.specs.line.support import Supports
+from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
 from tautwire.specs.scenario import Scenario
@@ -59,11 +61,49 @@ def _missing_arm_ends(line: Line, supports: Supports) -> list[Problem]:
     return problems
 
 
+DropperSets = Droppers | tuple[Droppers, ...]
+
+
+def _sets(droppers: DropperSets) -> list[tuple[tuple[str | int, ...], Droppers]]:
+    """Return paths and sets of droppers, as they are written."""
+    if isinstance(droppers, tuple):
+        return [(("droppers", index), one) for index, one in enumerate(droppers)]
+    return [(("droppers",), droppers)]
+
+
+def check_dropper_wires(wires: Wires, supports: Supports, droppers: DropperSets) -> list[Problem]:
+    """Check that sets of droppers name wires of the line and that every wire hangs on something."""
+    names = dict(wires.named())
+    problems = []
+    for path, one in _sets(droppers):
+        for field, name in (("from", one.upper), ("to", one.lower)):
+            if name not in names:
+                text = f"got {name!r}; there are the wires {', '.join(names)}"
+                problems.append(Problem((*path, field), text))
+        if one.upper in names and names[one.upper].role == "contact":
+            problems.append(Problem((*path, "from"), f"{one.upper!r} is a contact wire"))
+        if one.upper == one.lower:
+            problems.append(Problem((*path, "to"), "is the wire above too"))
+    carried = {one.lower for _, one in _sets(droppers)}
+    if wires.messenger is not None:
+        if supports.encumbrance is None:
+            text = "is missing; the height of the messenger wire above the contact wire is needed"
+            problems.append(Problem(("supports", "encumbrance"), text))
+        problems += [
+            Problem(("droppers",), f"no set of droppers carries the wire {name!r}; add one to it")
+            for name, wire in names.items()
+            if wire.role in ("contact", "auxiliary") and name not in carried
+        ]
+    return problems
+
+
 def check_encumbrance(
-    line: Line, wires: Wires, supports: Supports, droppers: Droppers
+    line: Line, wires: Wires, supports: Supports, droppers: DropperSets
 ) -> list[Problem]:
     """Check that the messenger wire hangs above the contact wire; name the worst dropper alone."""
-    if droppers.mode != "height":
+    if isinstance(droppers, tuple) or droppers.mode != "height" or wires.messenger is None:
+        return []
+    if droppers.about == "mast" or droppers.lower != "contact":
         return []
     encumbrances = supports.encumbrances(line.spans + 1)
     rows = droppers.positions_by_span(line.spans), droppers.presag_by_span(line.spans)
@@ -109,19 +149,50 @@ def dropper_lengths(
     span
         Counted from 0.
     """
+    messenger = wires.messenger or wires.contact
     length, (left, right) = line.span_lengths()[span], encumbrances
     positions = droppers.positions_by_span(line.spans)[span]
     clamps = len(positions) * (droppers.clamp_contact + droppers.clamp_messenger)
-    weight = (wires.contact.mass + wires.messenger.mass + clamps / length) * line.gravity
+    weight = (wires.contact.mass + messenger.mass + clamps / length) * line.gravity
     return [
         left + (right - left) * x / length + sag
-        - (0.5 * weight * x * (length - x) - wires.contact.tension * sag) / wires.messenger.tension
+        - (0.5 * weight * x * (length - x) - wires.contact.tension * sag) / messenger.tension
         for x, sag in zip(positions, droppers.presag_by_span(line.spans)[span], strict=False)
     ]  # fmt: skip
 
 
-def check_droppers(line: Line, droppers: Droppers) -> list[Problem]:
+def check_droppers(line: Line, droppers: DropperSets) -> list[Problem]:
     """Check that droppers lie inside their span, in order, each with its value."""
+    problems = []
+    for path, one in _sets(droppers):
+        if one.about == "span":
+            found = _check_set(line, one)
+            problems += [Problem((*path, *problem.path[1:]), problem.text) for problem in found]
+        else:
+            problems += _check_about_masts(line, one, path)
+    return problems
+
+
+def _check_about_masts(line: Line, one: Droppers, path: tuple[str | int, ...]) -> list[Problem]:
+    masts = line.spans - 1
+    rows = one.positions_by_span(masts)
+    values = "presag" if one.mode == "height" else "lengths"
+    given = one.presag_by_span(masts) if values == "presag" else one.lengths_by_span(masts)
+    if len(rows) != masts or len(given) != masts:
+        text = f"has {len(rows)} lists for {masts} supports between the anchors"
+        return [Problem((*path, "positions"), f"{text}; give one list, or one per support")]
+    for row, items in zip(rows, given, strict=True):
+        if len(row) != len(items):
+            text = f"has {len(items)} values for {len(row)} droppers; give one value per dropper"
+            return [Problem((*path, values), text)]
+        if any(right < left + MIN_SPACING for left, right in pairwise(row)):
+            text = f"must rise by at least {MIN_SPACING:g} m from dropper to dropper"
+            return [Problem((*path, "positions"), text)]
+    return []
+
+
+def _check_set(line: Line, droppers: Droppers) -> list[Problem]:
+    """Check one set that counts from the supports on the left of the spans."""
     counts = [
         Problem(
             ("droppers", name),
@@ -346,10 +417,46 @@ def check_train_length(
     ]
 
 
+def check_tension_lengths(
+    line: Line, tension_lengths: tuple[TensionLength, ...], overlaps: tuple[Overlap, ...]
+) -> list[Problem]:
+    """Check that tension lengths follow each other, overlap and cover the line."""
+    if not tension_lengths:
+        text = "needs tension_lengths, which it joins"
+        return [Problem(("overlaps",), text)] if overlaps else []
+    supports, problems = line.spans + 1, []
+    ends = (tension_lengths[0].masts[0], tension_lengths[-1].masts[1])
+    if ends != (1, supports):
+        text = f"reach from support {ends[0]} to {ends[1]}; the line has supports 1 to {supports}"
+        problems.append(Problem(("tension_lengths",), text))
+    names = [one.name for one in tension_lengths]
+    problems += [
+        Problem(("tension_lengths", number, "name"), f"got {name!r} again")
+        for number, name in enumerate(names)
+        if name in names[:number]
+    ]
+    joints = len(tension_lengths) - 1
+    if len(overlaps) not in (0, 1, joints):
+        text = f"has {len(overlaps)} entries for {joints} overlaps; give one for all, or one each"
+        problems.append(Problem(("overlaps",), text))
+    for number, (left, right) in enumerate(pairwise(tension_lengths), start=1):
+        shared = left.masts[1] - right.masts[0]
+        given = overlaps[min(number, len(overlaps)) - 1] if overlaps else Overlap()
+        if shared not in given.possible_spans():
+            text = (
+                f"{right.name!r} shares {max(shared, 0)} spans with {left.name!r}; an overlap has "
+                f"{' or '.join(str(n) for n in given.possible_spans())}"
+            )
+            problems.append(Problem(("tension_lengths", number, "masts"), text))
+    return problems
+
+
 Check = Callable[..., list[Problem]]
 CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "supports"), check_support_lists),
     (("line", "droppers"), check_droppers),
+    (("line", "tension_lengths", "overlaps"), check_tension_lengths),
+    (("wires", "supports", "droppers"), check_dropper_wires),
     (("line", "wires", "supports", "droppers"), check_encumbrance),
     (("wires", "scenario"), check_speed),
     (("pantographs",), check_pantograph_row),

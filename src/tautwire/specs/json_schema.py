@@ -7,6 +7,7 @@ from typing import Any
 
 from tautwire.specs.base import Spec
 from tautwire.specs.case import Case
+from tautwire.specs.upgrade import READ_VERSIONS
 
 JsonSchema = dict[str, Any]
 
@@ -29,6 +30,8 @@ def case_json_schema() -> JsonSchema:
         **_NAME,
         "description": "Library case of which the file is a copy.",
     }
+    schema["properties"]["schema"] |= {"enum": list(READ_VERSIONS)}
+    schema["properties"]["schema"].pop("const", None)
     schema["properties"]["tables"] = {
         "type": "object",
         "description": "CSV files, relative to the case file.",

@@ -124,6 +124,11 @@ class Pantograph(Spec):
         "height system of the line; the mean height of the contact wire in the analysed section "
         "if left out.",
     )
+    head_length: Annotated[float, Quantity("m", gt=0.0, le=4.0, typical="1.6 to 1.95 m")] = Field(
+        default=1.6,
+        description="Length of the head across the track: of several contact wires it touches "
+        "those within half of it from the middle of the track.",
+    )
     roof_motion: RoofMotion | None = Field(
         default=None, description="Prescribed motion of the roof; none if left out."
     )

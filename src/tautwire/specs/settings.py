@@ -13,6 +13,8 @@ from tautwire.specs.step_control import StepControl
 Method = Literal["newmark", "hht"]
 SpanNumber = Annotated[int, Field(ge=1, strict=True)]
 HHT_ALPHA = -0.05
+FEWEST_GRADED = 6
+"""Nodes between attachment points that a graded mesh needs: both, four near them, none between."""
 USUAL_CONTACT_STIFFNESS = 50e3
 """[N/m]: reference model of EN 50318:2002 and, with hinged arms, the benchmark of 2015 without
 calibration (theory page)."""
@@ -71,6 +73,19 @@ class Settings(Spec):
         default=9,
         description="Nodes from one attachment point (dropper, support) to the next, both counted.",
     )
+    graded_mesh: Annotated[bool, Field(strict=True)] = Field(
+        default=False,
+        description="Whether the nodes between two attachment points gather at 0.15 and 0.5 m from "
+        "both of them, where point loads bend the wire; needs at least 6 nodes_between_droppers.",
+    )
+    longest_element: (
+        Annotated[float, Quantity("m", ge=0.02, le=50.0, typical="0.5 to 1 m")] | None
+    ) = Field(
+        default=None,
+        description="Longest wire element; longer intervals get more nodes than "
+        "nodes_between_droppers. If left out, none is longer than the longest in a span with "
+        "droppers.",
+    )
     time_step: Annotated[float, Quantity("s", gt=0.0, le=0.1, typical="1 ms")] = Field(
         default=1e-3,
         description="Time step; with a step control other than 'constant', sampling interval.",
@@ -126,6 +141,13 @@ class Settings(Spec):
     backend: Literal["auto", "native", "reference"] = Field(
         default="auto", description="Kernels to compute with; 'auto' takes the fastest available."
     )
+
+    @model_validator(mode="after")
+    def _check_mesh(self) -> Settings:
+        if self.graded_mesh and self.nodes_between_droppers < FEWEST_GRADED:
+            text = f"needs nodes_between_droppers of at least {FEWEST_GRADED}"
+            refuse([Problem(("graded_mesh",), text)])
+        return self
 
     @model_validator(mode="after")
     def _check_section(self) -> Settings:

@@ -19,7 +19,7 @@ from tautwire.model.passage import Passage, plan_passage
 from tautwire.numerics.events.crossings import Crossing
 from tautwire.numerics.events.refinement import AdaptiveStep
 from tautwire.numerics.events.step_control import ConstantStep, StepControl, Task, VariableStep
-from tautwire.numerics.motion.backend import Choice, backend_name, make_stepper
+from tautwire.numerics.motion.backend import Choice, backend_of, make_stepper
 from tautwire.numerics.motion.dispersion import wave_stiffening
 from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
@@ -122,7 +122,6 @@ class Simulation:
         self.model, self.shape = model, shape
         self.integrator = choices.integrator or _integrator(model)
         self.stepping = choices.stepping or _stepping(model)
-        self.backend = backend_name(choices.backend or settings.backend)
         forces = choices.uplift_forces or model.case.uplift_forces()
         self.passage: Passage = plan_passage(model, shape, forces)
         system = equations(model, shape)
@@ -140,6 +139,7 @@ class Simulation:
         self.stepper: Stepper = make_stepper(
             system, self.passage.pantographs, options, observed, choices.backend or settings.backend
         )
+        self.backend = backend_of(self.stepper)
         whole = np.ceil(self.passage.duration / self.stepping.time_step - 1e-9)
         self.step_count = int(min(whole, self.passage.latest // self.stepping.time_step))
 
@@ -341,6 +341,8 @@ def _records(
         name: _join([getattr(s, name) for s in steps], (count,))
         for name in ("contact_force", "gap", "wire_height")
     }
+    wires = len(simulation.shape.of_role("contact"))
+    shares = _join([s.path_force for s in steps], (count, wires))
     stages = _join([s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),))
     ends = np.cumsum([len(p.stages) for p in case.pantographs])
     target = case.scenario.target_mean_force()
@@ -356,6 +358,7 @@ def _records(
                 contact_force=joined["contact_force"][:, i],
                 gap=joined["gap"][:, i],
                 wire_height=joined["wire_height"][:, i],
+                wire_forces=shares[:, i],
                 stage_heights=stages[:, ends[i] - len(spec.stages) : ends[i]],
                 active=time >= given.start_time - 1e-12,
             )

@@ -20,6 +20,12 @@ from tautwire.status import Status
 
 Array = NDArray[np.float64]
 
+TOGETHER = 0.02
+"""Contact wires within this height of the lowest are lifted with it [m]."""
+
+_LEVEL, _LEVELLINGS = 1e-7, 20
+"""Difference of heights [m] at which wires under one head are level, and most attempts."""
+
 
 @single_threaded
 def elasticity(
@@ -32,7 +38,8 @@ def elasticity(
     """Compute the elasticity at supports, droppers and midway between them.
 
     Every point is a static solve of the nonlinear line (droppers go slack) with a vertical force
-    on the contact wire. The points cover the analysed section, its last support included.
+    on the contact wire. The points cover the analysed section, its last support included. Several
+    contact wires at one height are lifted by one rigid head.
 
     Parameters
     ----------
@@ -109,21 +116,94 @@ def _points(model: Model) -> list[_Point]:
     return [p for p in points if not (p.kind == "support" and p.span in held)]
 
 
+@dataclass(frozen=True, eq=False)
+class _Pressed:
+    """The contact wires under a head, as loads: degrees of freedom and Hermite rows, ``(n, 4)``."""
+
+    dofs: NDArray[np.int64]
+    rows: Array
+
+    def heights(self, q: Array) -> Array:
+        """Return the heights of the wires at the head, ``(n,)`` [m]."""
+        return np.sum(self.rows * q[self.dofs], axis=1)
+
+    def load(self, forces: Array, count: int) -> Array:
+        """Return vertical forces ``(n,)`` on the wires as nodal loads, ``(count,)``."""
+        load = np.zeros(count)
+        load[self.dofs] = forces[:, None] * self.rows
+        return load
+
+
+def _pressed(shape: Equilibrium, x: float) -> _Pressed:
+    """Return the wires that a head touches: the lowest, and those at about its height."""
+    level = float(shape.running_height(np.array(x)))
+    dofs, rows = [], []
+    for wire in shape.of_role("contact"):
+        if not wire.s[0] <= x <= wire.s[-1]:
+            continue
+        element = wire.element(np.array(x))
+        xi = (x - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
+        row = position_row(xi, wire.lengths[element])
+        own = wire.dofs(element, 2)
+        if row @ shape.position[own] <= level + TOGETHER:
+            dofs.append(own)
+            rows.append(row)
+    return _Pressed(np.array(dofs), np.array(rows))
+
+
 def _flexibility(shape: Equilibrium, solver: StaticSolver, point: _Point, force: float) -> float:
-    """Return uplift per force at one point [m/N]."""
-    wire = shape.contact
-    element = wire.element(np.array(point.x))
-    xi = (point.x - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
-    row = position_row(xi, wire.lengths[element])
-    dofs = wire.dofs(element, 2)
-    load = np.zeros(len(shape.position))
-    load[dofs] = force * row
-    response = solver.solve(load)
+    """Return uplift per force at one point [m/N].
+
+    Several wires are lifted by one rigid head: their heights become equal, and their shares of the
+    force follow, by Broyden's method from the flexibility with all droppers taut.
+    """
+    wires = _pressed(shape, point.x)
+    count = len(wires.rows)
+    rest = wires.heights(shape.position)
+    shares = np.full(count, force / count)
+    heights = _lifted(wires, solver, shares, point)
+    flexibility = _linear_flexibility(wires, solver) if count > 1 else np.zeros((1, 1))
+    for _ in range(_LEVELLINGS):
+        if np.ptp(heights) <= _LEVEL:
+            return float((heights.mean() - rest.mean()) / force)
+        change = _levelling(flexibility, heights)
+        moved = _lifted(wires, solver, shares + change, point)
+        error = moved - heights - flexibility @ change
+        flexibility = flexibility + np.outer(error, change) / (change @ change)
+        shares, heights = shares + change, moved
+    raise ConvergenceError(
+        f"elasticity at {_named(point)}: the contact wires under the head do not come level. "
+        "Try a smaller settings.elasticity_force."
+    )
+
+
+def _named(point: _Point) -> str:
+    return f"{point.kind} {point.index or ''} of span {point.span}, x = {point.x:.2f} m"
+
+
+def _lifted(wires: _Pressed, solver: StaticSolver, shares: Array, point: _Point) -> Array:
+    """Return the heights of the wires under forces on them, ``(n,)`` [m]."""
+    response = solver.solve(wires.load(shares, solver.size))
     if response.status is not Status.DONE:
         raise ConvergenceError(
-            f"elasticity at {point.kind} {point.index or ''} of span {point.span}, "
-            f"x = {point.x:.2f} m, {force:g} N: {response.status.sentence} "
+            f"elasticity at {_named(point)}, {shares.sum():g} N: {response.status.sentence} "
             "Try a smaller settings.elasticity_force."
         )
-    uplift = row @ (response.position[dofs] - shape.position[dofs])
-    return float(uplift / force)
+    return wires.heights(response.position)
+
+
+def _linear_flexibility(wires: _Pressed, solver: StaticSolver) -> Array:
+    """Return how the heights follow small forces with all droppers taut, ``(n, n)`` [m/N]."""
+    units = np.eye(len(wires.rows))
+    columns = [wires.heights(solver.linear(wires.load(unit, solver.size))) for unit in units]
+    return np.stack(columns, axis=1)
+
+
+def _levelling(flexibility: Array, heights: Array) -> Array:
+    """Return changes of the forces, zero in sum, that make the heights equal, linearly [N]."""
+    count = len(heights)
+    border = np.ones((count + 1, count + 1))
+    border[:count, :count] = flexibility
+    border[:count, -1], border[-1, -1] = -1.0, 0.0
+    change: Array = np.linalg.solve(border, np.append(-heights, 0.0))[:count].astype(np.float64)
+    return change

@@ -174,7 +174,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
         **_droppers(model, form),
         **_supports(model, form, held),
         suspension_free_heights=_free_heights(model, form),
-        joint_pulls=np.zeros((len(line.joints), 3)),
+        joint_pulls=_joint_pulls(model, form),
         end_pulls=_end_pulls(mesh, form),
         weight=_weight(model, form),
         reaction=_vertical_reaction(model, form, held),
@@ -245,9 +245,25 @@ def _free_heights(model: Model, form: Form) -> Array:
 
 def _end_pulls(mesh: Mesh, form: Form) -> Array:
     """Return the forces along the track on the ends of all wires, ``(2, n_wire)`` [N]."""
-    starts = np.array([6 * strand.nodes[0] for strand in mesh.strands])
-    tensions = [strand.run.wire.tension for strand in mesh.strands]
-    return np.array([form.reactions[starts], tensions])
+    pulls = np.zeros((2, len(mesh.strands)))
+    for number, strand in enumerate(mesh.strands):
+        if strand.run.start.kind != "clamped":
+            pulls[:, number] = form.reactions[6 * strand.nodes[0]], strand.run.wire.tension
+    return pulls
+
+
+def _joint_pulls(model: Model, form: Form) -> Array:
+    """Return the force of every joint on the wire that holds the other, ``(n_joint, 3)`` [N].
+
+    Its share along the track was sought at the left end of a clamped wire and given at the right.
+    """
+    pulls = form.system.clamps.pull(form.system.position)
+    sought = iter(form.joint_pulls)
+    for number, joint in enumerate(model.line.joints):
+        run = model.line.by_name[joint.other.run]
+        is_start = joint.other.s == run.start.s
+        pulls[number, 0] = next(sought) if is_start else -run.wire.tension
+    return pulls
 
 
 def _refuse_bad_arms(model: Model, held: Held) -> None:

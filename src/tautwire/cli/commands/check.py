@@ -13,6 +13,7 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
+from tautwire.model.mesh import divide
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
@@ -63,8 +64,7 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
 def _size(case: Case) -> dict[str, int]:
     """Return how large the computation will be."""
     line = expand(case)
-    elements = case.settings.nodes_between_droppers - 1
-    nodes = sum((len(line.points(run.name)) - 1) * elements + 1 for run in line.runs)
+    nodes = divide(line, case.settings).node_count
     way = case.line.length() - 2.0 * case.settings.start
     steps = math.ceil(way / case.scenario.speed / case.settings.time_step)
     return {"droppers": len(line.hangers), "dof": 6 * nodes, "steps": max(steps, 0)}

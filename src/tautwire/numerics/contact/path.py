@@ -28,8 +28,8 @@ class ContactPoint:
         Index along the wire (between stations ``element`` and ``element + 1``).
     xi : float
         Local coordinate in [0, 1].
-    height : float m
-        z of the point.
+    height, lateral : float m
+        z and y of the point.
     dofs_x, dofs_z : (4,)
         Degrees of freedom (r1, r1', r2, r2') in x and z.
     row : (4,)
@@ -42,6 +42,7 @@ class ContactPoint:
     element: int
     xi: float
     height: float
+    lateral: float
     dofs_x: Index
     dofs_z: Index
     row: Array
@@ -86,7 +87,8 @@ class ContactWirePath:
         dofs_z = dofs_x + 2
         e_z = q[dofs_z]
         slope = float(rate @ e_z) / float(rate @ q[dofs_x])
-        return ContactPoint(element, xi, float(row @ e_z), dofs_x, dofs_z, row, slope)
+        lateral = float(row @ q[dofs_x + 1])
+        return ContactPoint(element, xi, float(row @ e_z), lateral, dofs_x, dofs_z, row, slope)
 
     def _find_element(self, q: Array, x: float, hint: int) -> int | None:
         dofs = self._x_dofs

@@ -147,6 +147,11 @@ def make_stepper(
         return stepper
 
 
+def backend_of(stepper: Stepper) -> str:
+    """Describe the kernels that a time integration uses, as :func:`backend_name` does."""
+    return backend_name("native" if isinstance(stepper, NativeStepper) else "reference")
+
+
 def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
     """Return the elastic nodal forces of wire elements; see :func:`ancf.force`.
 

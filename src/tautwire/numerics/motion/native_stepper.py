@@ -192,13 +192,15 @@ class NativeStepper:
 
     def _of_pantographs(self, histories: dict[str, Array]) -> dict[str, Array]:
         """Return histories with those of pairs (pantograph, path) joined to pantographs."""
-        if not self._inputs:
-            return histories
-        shape = (-1, len(self._inputs), self._paths)
+        steps, count = len(histories["observed"]), len(self._inputs)
+        if not count:
+            return histories | {"path_force": np.empty((steps, 0, self._paths))}
+        shape = (steps, count, self._paths)
         force, gap, height = (histories[name].reshape(shape) for name in _OF_PAIRS)
         nearest = np.argmin(np.where(np.isnan(gap), np.inf, gap), axis=2)[..., None]
         return histories | {
             "contact_force": force.sum(axis=2),
+            "path_force": np.where(np.isnan(gap), np.nan, force),
             "gap": np.take_along_axis(gap, nearest, axis=2)[..., 0],
             "wire_height": np.take_along_axis(height, nearest, axis=2)[..., 0],
         }

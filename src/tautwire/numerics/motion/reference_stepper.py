@@ -42,6 +42,7 @@ from tautwire.numerics.motion.step_solver import (
     StepSolver,
     Touch,
     Watchdog,
+    contact_forces,
 )
 from tautwire.numerics.motion.stepper import (
     PantographInput,
@@ -86,14 +87,17 @@ class ReferenceStepper:
         self._system, self._options, self._observed = system, options, observed
         self._tolerance = reachable_tolerance(system, options)
         self._inputs = tuple(pantographs)
-        path = system.paths[0]
-        self._path = ContactWirePath(path.nodes, system.cables.length[path.cables])
+        self._paths = tuple(
+            ContactWirePath(path.nodes, system.cables.length[path.cables]) for path in system.paths
+        )
         self._matrices = LineMatrices(system)
         self._factors = StepFactors(system, self._matrices, options)
         self._chains: dict[float, tuple[PantographStep, ...]] = {}
         self._systems: dict[float, System] = {}
         still = np.zeros_like(system.position)
-        at_start = tuple(PantographState.at_rest(p.chain.stage_count) for p in pantographs)
+        at_start = tuple(
+            PantographState.at_rest(p.chain.stage_count, len(system.paths)) for p in pantographs
+        )
         self._state = State(Clock(), system.position.copy(), still, still, still, at_start)
 
     @property
@@ -195,9 +199,8 @@ class ReferenceStepper:
             z, v, known = chain.predict(state.z, state.v, state.a, before, state.force)
             a_free = chain.acceleration(z, v, known, given.external(end))
             head = float(given.start_height + z[0] + c.to_position * a_free[0])
-            stiffness = k / (1.0 + k * chain.compliance)
             x, rise = given.position(end), float(given.unevenness(np.array(end)))
-            yield Prediction(i, chain, x, rise, head, stiffness, z, v, a_free)
+            yield Prediction(i, chain, x, rise, head, k, given.reach, z, v, a_free)
 
     def _chains_for(self, time_step: float) -> tuple[PantographStep, ...]:
         """Return the pantographs' equations for a step; those of some steps are kept."""
@@ -224,11 +227,20 @@ class ReferenceStepper:
         """Return the contacts at an iterate; None when a pantograph has left the wire."""
         touches = []
         for p in step.predictions:
-            point = self._path.locate(q, p.x, step.start.pantographs[p.index].element)
-            if point is None:
+            elements = step.start.pantographs[p.index].elements
+            found = [
+                (number, point)
+                for number, path in enumerate(self._paths)
+                if (point := path.locate(q, p.x, elements[number])) is not None
+                and abs(point.lateral) <= p.reach
+            ]
+            if not found:
                 return None
-            force = p.stiffness * max(0.0, p.head_free - p.rise - point.height)
-            touches.append(Touch(p, point, force))
+            forces = contact_forces(p, np.array([point.height + p.rise for _, point in found]))
+            touches += [
+                Touch(p, number, point, float(force))
+                for (number, point), force in zip(found, forces, strict=True)
+            ]
         return touches
 
     def _residual(self, step: Step, q: Array, v: Array, a: Array, touches: list[Touch]) -> Array:
@@ -302,9 +314,10 @@ class ReferenceStepper:
         if touches is None:
             return Status.OFF_THE_LINE, None
         pantographs = list(start.pantographs)
-        for touch in touches:
-            p = touch.prediction
-            pantographs[p.index] = _moved(self._inputs[p.index], step.c, touch)
+        for p in step.predictions:
+            own = [touch for touch in touches if touch.prediction is p]
+            before = start.pantographs[p.index]
+            pantographs[p.index] = _moved(self._inputs[p.index], step.c, before, own)
         return Status.RUNNING, State(step.clock, q, step.velocity(a), a, g, tuple(pantographs))
 
     def _record(self) -> _Record:
@@ -315,6 +328,7 @@ class ReferenceStepper:
             np.array([p.force for p in pantographs]),
             np.array([p.gap for p in pantographs]),
             np.array([p.wire_height for p in pantographs]),
+            np.array([force for p in pantographs for force in p.forces]),
             np.concatenate([p.z for p in pantographs]) if pantographs else np.empty(0),
             tie_axial_force(self._system, state.q, state.v),
             state.q[self._observed],
@@ -333,6 +347,9 @@ class ReferenceStepper:
             contact_force=stack("contact_force", count),
             gap=stack("gap", count),
             wire_height=stack("wire_height", count),
+            path_force=stack("path_force", count * len(self._paths)).reshape(
+                len(records), count, len(self._paths)
+            ),
             stages=stack("stages", stages),
             dropper_force=stack("dropper_force", len(self._system.ties)),
             observed=stack("observed", len(self._observed)),
@@ -347,19 +364,27 @@ class _Record:
     contact_force: Array
     gap: Array
     wire_height: Array
+    path_force: Array
     stages: Array
     dropper_force: Array
     observed: Array
 
 
-def _moved(given: PantographInput, c: StepCoefficients, touch: Touch) -> PantographState:
-    """Return a pantograph at the end of a step whose contact force is known."""
-    p = touch.prediction
-    a = p.a_free - c.weight * touch.force * p.chain.head_response
+def _moved(
+    given: PantographInput, c: StepCoefficients, before: PantographState, touches: list[Touch]
+) -> PantographState:
+    """Return a pantograph at the end of a step whose contact forces are known."""
+    p, force = touches[0].prediction, sum(touch.force for touch in touches)
+    a = p.a_free - c.weight * force * p.chain.head_response
     z, v = p.z + c.to_position * a, p.v + c.to_velocity * a
-    gap = touch.surface - (given.start_height + float(z[0]))
-    height, element = touch.point.height, touch.point.element
-    return PantographState(z, v, a, touch.force, gap, height, element)
+    nearest = min(touches, key=lambda touch: touch.surface)
+    gap = nearest.surface - (given.start_height + float(z[0]))
+    forces, elements = [np.nan] * len(before.forces), list(before.elements)
+    for touch in touches:
+        forces[touch.path], elements[touch.path] = touch.force, touch.point.element
+    return PantographState(
+        z, v, a, force, gap, nearest.point.height, tuple(forces), tuple(elements)
+    )
 
 
 def _changes_contact(before: State, after: State) -> bool:

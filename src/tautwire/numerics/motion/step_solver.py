@@ -42,7 +42,11 @@ class Clock:
 
 @dataclass(frozen=True, eq=False)
 class PantographState:
-    """Where one pantograph is; heights count from the start."""
+    """Where one pantograph is; heights count from the start.
+
+    ``forces`` are those of the paths (n_path,), NaN where a path is out of reach; ``elements``
+    where each path was met last. Gap and height belong to the nearest wire.
+    """
 
     z: Array
     v: Array
@@ -50,13 +54,14 @@ class PantographState:
     force: float = 0.0
     gap: float = float("nan")
     wire_height: float = float("nan")
-    element: int = 0
+    forces: tuple[float, ...] = ()
+    elements: tuple[int, ...] = ()
 
     @classmethod
-    def at_rest(cls, stages: int) -> PantographState:
-        """Return a pantograph with some stages that has not entered the line."""
+    def at_rest(cls, stages: int, paths: int) -> PantographState:
+        """Return a pantograph with some stages that has not entered a line with some paths."""
         still = np.zeros(stages)
-        return cls(still, still, still)
+        return cls(still, still, still, forces=(np.nan,) * paths, elements=(0,) * paths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +80,8 @@ class State:
 class Prediction:
     """What is known of one pantograph in a step before its contact force is.
 
-    ``rise`` is the height of the running surface above the wire, ``stiffness`` that of the
-    contact in series with the head's compliance over the step.
+    ``rise`` is the height of the running surface above the wires, ``stiffness`` that of the
+    contact with each of them, ``reach`` how far to either side of the track the head does.
     """
 
     index: int
@@ -85,6 +90,7 @@ class Prediction:
     rise: float
     head_free: float
     stiffness: float
+    reach: float
     z: Array
     v: Array
     a_free: Array
@@ -116,9 +122,10 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """Contact of one pantograph at an iterate."""
+    """Contact of one pantograph with one path at an iterate."""
 
     prediction: Prediction
+    path: int
     point: ContactPoint
     force: float
 
@@ -126,6 +133,31 @@ class Touch:
     def surface(self) -> float:
         """Height of the running surface [m]."""
         return self.point.height + self.prediction.rise
+
+
+def contact_forces(prediction: Prediction, surfaces: Array) -> Array:
+    """Return the forces between a head and the wires above it, ``(n_wire,)`` [N].
+
+    A head on its own would rise to ``z``; under forces f it stands lower by the compliance H times
+    their sum. So ``f = k max(0, z - H sum(f) - surface)``: of the lowest wires the most that all
+    press on it are closed (1/k + H is positive definite, so there is one such set).
+
+    Parameters
+    ----------
+    prediction
+        The head.
+    surfaces : (n_wire,) m
+        Heights of the running surfaces.
+    """
+    k, compliance = prediction.stiffness, prediction.chain.compliance
+    depth = prediction.head_free - surfaces
+    total = pressed = 0.0
+    for count, own in enumerate(np.sort(depth)[::-1].tolist(), start=1):
+        if own <= compliance * total:
+            break
+        pressed += own
+        total = k * pressed / (1.0 + count * k * compliance)
+    return k * np.maximum(0.0, depth - compliance * total)
 
 
 class StepSolver:
@@ -136,13 +168,17 @@ class StepSolver:
     ) -> None:
         self._system, self._factors, self._step = system, factors, step
         self._columns: Array | None = None
+        self._pairs: list[tuple[int, int]] = []
         self._factor = None if full_newton else factors.get(step.c.time_step)
         if self._factor is not None:
             ahead = step.start.q + step.c.time_step * step.start.v
             self._rotation = NodeRotation(self._factor.tangents, unit_tangents(ahead))
 
-    def renew(self, q: Array, v: Array, *, only_taut: bool) -> None:
-        """Factor the matrix at an iterate; without its slack ties when ``only_taut``."""
+    def renew(self, q: Array, v: Array, *, only_taut: bool) -> bool:
+        """Factor the matrix at an iterate; without its slack ties when ``only_taut``.
+
+        False when it could not be factored.
+        """
         dt, self._columns = self._step.c.time_step, None
         if only_taut:
             taut = self._system.ties.acting(tie_axial_force(self._system, q, v))
@@ -161,8 +197,9 @@ class StepSolver:
         if self._factor is None:
             return None
         x = self._precondition(r)
-        if self._columns is None:
-            self._columns = self._contact_columns(touches)
+        pairs = [(touch.prediction.index, touch.path) for touch in touches]
+        if self._columns is None or pairs != self._pairs:
+            self._columns, self._pairs = self._contact_columns(touches), pairs
         closed = [i for i, touch in enumerate(touches) if touch.force > 0.0]
         if not closed:
             return x
@@ -173,12 +210,11 @@ class StepSolver:
             point = touches[i].point
             y[row] = _height_rate(point, x)
             small[row] = [_height_rate(point, columns[:, j]) for j in closed]
-            kappa = c.weight * touches[i].prediction.stiffness * c.to_position
-            small[row, row] += 1.0 / kappa
+            small[row] += _softness(touches, i, closed) / (c.weight * c.to_position)
         return x - columns[:, closed] @ np.linalg.solve(small, y)
 
     def _contact_columns(self, touches: list[Touch]) -> Array:
-        """Return ``A^-1 N`` for every pantograph on the line, ``(n_dof, n_touch)``."""
+        """Return ``A^-1 N`` for every pantograph and path, ``(n_dof, n_touch)``."""
         columns = np.zeros((self._system.dof_count, len(touches)))
         for i, touch in enumerate(touches):
             columns[touch.point.dofs_z, i] = touch.point.row
@@ -190,6 +226,16 @@ class StepSolver:
         x = self._factor.solve(r, self._rotation)
         x[self._system.fixed] = 0.0
         return x
+
+
+def _softness(touches: list[Touch], i: int, closed: list[int]) -> Array:
+    """Return a row of ``1/k + H``: what the gaps of closed contacts give way per force of one."""
+    own = touches[i].prediction
+    row = np.array(
+        [own.chain.compliance * (touches[j].prediction.index == own.index) for j in closed]
+    )
+    row[closed.index(i)] += 1.0 / own.stiffness
+    return row
 
 
 class Watchdog:

@@ -23,6 +23,7 @@ _HISTORIES = (
     "contact_force",
     "gap",
     "wire_height",
+    "path_force",
     "stages",
     "dropper_force",
     "observed",
@@ -107,6 +108,8 @@ class PantographInput:
     roof : RoofMotion or None
     surface : SurfaceProfile or None
         Unevenness of the running surface that the head meets.
+    reach : float m
+        Half the length of the head; wires further from the middle of the track pass beside it.
     """
 
     chain: PantographChain
@@ -118,6 +121,7 @@ class PantographInput:
     ramp: float
     roof: RoofMotion | None = None
     surface: SurfaceProfile | None = None
+    reach: float = np.inf
 
     def position(self, time: Any) -> Any:
         """Longitudinal position at one instant or at several [m]."""
@@ -203,6 +207,9 @@ class StepBlock:
         Running surface of the wire above head; negative in contact; NaN before the pantograph
         has entered.
     wire_height : (n_step, n_pantograph) m
+        Height of the wire next to the head.
+    path_force : (n_step, n_pantograph, n_path) N
+        Force of each path on each pantograph; NaN where the head does not reach it.
     stages : (n_step, n_stage_total) m
         Displacements of the stages from their start, pantograph by pantograph, head first.
     dropper_force : (n_step, n_dropper) N
@@ -219,6 +226,7 @@ class StepBlock:
     contact_force: Array
     gap: Array
     wire_height: Array
+    path_force: Array
     stages: Array
     dropper_force: Array
     observed: Array

@@ -5,11 +5,14 @@ on its left takes its place among the unknowns. In height mode the contact wire'
 prescribed and the dropper's unstrained length takes its place. The system stays square and banded:
 ``d(Q - G)/dL0`` fills the columns of the replaced coordinates. Gravity and masses depend on the
 unstrained lengths too.
+
+Where a wire is clamped to another (a stitch wire), its tension is given at one end; the force of
+the joint at the other end takes the place of the coordinate there.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,7 +26,7 @@ from tautwire.numerics.statics.newton import NewtonResult, NewtonSettings, dampe
 Array = NDArray[Any]
 Index = NDArray[np.int64]
 
-_LARGEST_STEP = {"position": 0.5, "slope": 0.1, "length": 0.05}
+_LARGEST_STEP = {"position": 0.5, "slope": 0.1, "length": 0.05, "force": 1e4}
 _INCREMENT = 1e-7
 
 
@@ -45,6 +48,9 @@ class FormProblem:
     gravity : float m/s2
     taut : (n_tie,) bool
         Ties that carry force.
+    joints : (n_joint, 2)
+        Coordinates along the track of two clamped wires, the host's first, whose joint carries a
+        force that is sought; it takes the place of the second coordinate.
     """
 
     system: System
@@ -53,6 +59,7 @@ class FormProblem:
     tie_slot: Index
     gravity: float
     taut: NDArray[np.bool_]
+    joints: Index = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +72,14 @@ class Form:
         The problem's system with the found coordinates, lengths, and complete loads.
     reactions : (n_dof,) N, N m
         Force that holds each held degree of freedom; zero elsewhere up to the residual.
+    joint_pulls : (n_joint,) N
+        Force of each sought joint on its host, positive to the right.
     newton : NewtonResult
     """
 
     system: System
     reactions: Array
+    joint_pulls: Array
     newton: NewtonResult
 
 
@@ -94,6 +104,7 @@ class _FormFinder:
         self.pattern = Pattern(system)
         self.replaced = np.zeros(self.n_dof, dtype=bool)
         self.replaced[problem.cable_slot] = True
+        self.replaced[problem.joints[:, 1]] = True
         self.free_length = np.flatnonzero(problem.tie_slot >= 0)
         self.replaced[problem.tie_slot[self.free_length]] = True
         keep = ~problem.held[self.pattern.rows]
@@ -102,12 +113,17 @@ class _FormFinder:
 
     def unpack(self, x: Array) -> System:
         """Return the system at coordinates and lengths ``x``."""
-        q, cables, ties = np.split(x, [self.n_dof, self.n_dof + self.n_cable])
         given = self.problem.system
+        counts = [self.n_dof, self.n_cable, len(given.ties)]
+        q, cables, ties, pulls = np.split(x, np.cumsum(counts))
         system = given.with_(
             position=q, cables=given.cables.with_(length=cables), ties=given.ties.of_length(ties)
         )
-        return system.with_(load=system.load + weight_load(system, self.problem.gravity))
+        load = system.load + weight_load(system, self.problem.gravity)
+        host, other = self.problem.joints.T
+        np.add.at(load, host, pulls)
+        np.subtract.at(load, other, pulls)
+        return system.with_(load=load)
 
     def unbalanced(self, system: System) -> Array:
         """Return the unbalanced nodal forces Q - load, slack ties left out."""
@@ -137,6 +153,7 @@ class _FormFinder:
         values = self.pattern.values(parts)[self.kept]
         rows, cols = self.pattern.rows[self.kept], self.pattern.cols[self.kept]
         blocks = [(rows, cols, values), self.cable_columns(system), self.tie_columns(system)]
+        blocks.append(self.joint_columns())
         rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
         keep = ~self.problem.held[rows]
         flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
@@ -169,26 +186,40 @@ class _FormFinder:
         cols = np.broadcast_to(self.problem.tie_slot[free], rows.shape)
         return rows.ravel(), cols.ravel(), column[:, free].ravel()
 
+    def joint_columns(self) -> tuple[Index, Index, Array]:
+        """Return d(Q - G)/dP of the joints whose force P is sought."""
+        host, other = self.problem.joints.T
+        ones = np.ones(len(host))
+        rows = np.concatenate([host, other])
+        return rows, np.concatenate([other, other]), np.concatenate([-ones, ones])
+
     def pack_step(self, step: Array) -> Array:
         """Distribute a solution over coordinates and lengths."""
         problem = self.problem
         dq = np.where(problem.held | self.replaced, 0.0, step)
         ties = np.zeros(len(problem.tie_slot))
         ties[self.free_length] = step[problem.tie_slot[self.free_length]]
-        return np.concatenate([dq, step[problem.cable_slot], ties])
+        pulls = step[problem.joints[:, 1]]
+        return np.concatenate([dq, step[problem.cable_slot], ties, pulls])
 
     def limits(self) -> Array:
         """Return the largest step of each unknown."""
         nodal = np.repeat([_LARGEST_STEP["position"], _LARGEST_STEP["slope"]], 3)
         lengths = self.n_cable + len(self.problem.tie_slot)
         return np.concatenate(
-            [np.tile(nodal, self.n_dof // 6), np.full(lengths, _LARGEST_STEP["length"])]
+            [
+                np.tile(nodal, self.n_dof // 6),
+                np.full(lengths, _LARGEST_STEP["length"]),
+                np.full(len(self.problem.joints), _LARGEST_STEP["force"]),
+            ]
         )
 
     def solve(self, residual: float) -> Form:
         start = self.problem.system
-        x = np.concatenate([start.position, start.cables.length, start.ties.length])
+        pulls = np.zeros(len(self.problem.joints))
+        x = np.concatenate([start.position, start.cables.length, start.ties.length, pulls])
         settings = NewtonSettings(increment=_INCREMENT, residual=residual)
         newton = damped_newton(x, self.residual, self.direction, self.limits(), settings)
         system = self.unpack(newton.x)
-        return Form(system, self.unbalanced(system), newton)
+        pulls = newton.x[len(newton.x) - len(pulls) :]
+        return Form(system, self.unbalanced(system), pulls, newton)

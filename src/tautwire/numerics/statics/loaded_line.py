@@ -75,6 +75,15 @@ class StaticSolver:
             return response
         return self._full_newton(extra)
 
+    @property
+    def size(self) -> int:
+        """Number of degrees of freedom."""
+        return self._system.dof_count
+
+    def linear(self, extra: Array) -> Array:
+        """Return the small displacements under extra loads, all droppers taut, ``(n_dof,)``."""
+        return self._base.solve(np.where(self._system.fixed, 0.0, extra))
+
     def _factor(self, q: Array, taut: NDArray[np.bool_]) -> BandedCholesky | None:
         values = self._pattern.values(tangent_parts(self._system, q, taut=taut))
         return BandedCholesky.of(self._pattern.upper_band(values))

@@ -225,6 +225,7 @@ def _run(file: h5netcdf.File) -> Run:
         "support": shape.support_x.size,
         "dropper": shape.dropper_x.size,
         "pantograph": len(case.pantographs),
+        "contact_wire": shape.wire_roles.count("contact"),
     }
     time = _array(file, layout.TIME, sizes)
     _require(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0), "time must increase")
@@ -266,7 +267,10 @@ def _pantographs(
     file: h5netcdf.File, case: Case, sizes: dict[str, int]
 ) -> tuple[PantographRecord, ...]:
     """Read the histories of all pantographs, which are stacked, missing stages as NaN."""
-    values = _entries(file, layout.PANTOGRAPH, sizes)
+    has_shares = _version(file) > 1
+    stored = tuple(e for e in layout.PANTOGRAPH if has_shares or e.name != "wire_force")
+    values = _entries(file, stored, sizes)
+    values.setdefault("wire_forces", values["contact_force"][:, :, None])
     names = [str(name) for name in _array(file, layout.NAMES, sizes)]
     counts = _array(file, layout.STAGE_COUNT, sizes).tolist()
     given = [(spec.name, len(spec.stages)) for spec in case.pantographs]

@@ -186,7 +186,9 @@ def _write_pantographs(file: h5netcdf.File, records: tuple[PantographRecord, ...
     """Write the histories of all pantographs stacked, missing stages as NaN."""
     n_time, n_stage = file.dimensions["time"].size, file.dimensions["stage"].size
     for entry in layout.PANTOGRAPH:
-        shape = {"time": n_time, "stage": n_stage, "pantograph": len(records)}
+        wires = records[0].wire_forces.shape[1] if records else 0
+        shape = {"time": n_time, "stage": n_stage, "contact_wire": wires}
+        shape["pantograph"] = len(records)
         stacked = np.full([shape[name] for name in entry.dimensions], np.nan)
         for row, record in enumerate(records):
             values = getattr(record, entry.source)

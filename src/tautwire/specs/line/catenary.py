@@ -39,7 +39,8 @@ class Ends(Spec):
     )
 
 
-def _ends_from_word(value: Any) -> Any:
+def ends_from_word(value: Any) -> Any:
+    """Read one word as that of both ends."""
     return {"left": value, "right": value} if isinstance(value, str) else value
 
 
@@ -62,7 +63,7 @@ class Line(Spec):
     chainage: tuple[Annotated[float, Quantity("m", ge=-1e7, le=1e7)], ...] | None = Field(
         default=None, description="Chainage of the supports from left to right; rising or falling."
     )
-    ends: Annotated[Ends, BeforeValidator(_ends_from_word, json_schema_input_type=End | Ends)] = (
+    ends: Annotated[Ends, BeforeValidator(ends_from_word, json_schema_input_type=End | Ends)] = (
         Field(
             default=Ends(),
             description="How both wires end: 'anchored' (held) or 'weighted' (constant tension, "

@@ -11,7 +11,7 @@ from tautwire.units import UnitError, parse_quantity
 
 Most = Field(max_length=200)
 """Droppers of a span; built spans have up to twenty."""
-Position = Annotated[float, Quantity("m", gt=0.0, le=1000.0, typical="4.5 m to 60 m")]
+Position = Annotated[float, Quantity("m", ge=-1000.0, le=1000.0, typical="4.5 m to 60 m")]
 Presag = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0 to 60 mm")]
 Length = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.3 to 2 m")]
 
@@ -78,13 +78,28 @@ def _mode_from_word(value: Any) -> Any:
 
 
 class Droppers(Spec):
-    """All droppers of the line.
+    """The droppers of the line, or one of several sets of them.
 
     Lists hold one value per dropper, left to right, valid in every span; or one such list per
-    span.
+    span. A set that counts from the supports (`about: mast`) has one list for all of them, or one
+    list per support between the anchors.
     """
 
     catalogue_kinds: ClassVar[tuple[str, ...]] = ("dropper", "dropper clamps")
+
+    from_: str | None = Field(
+        default=None,
+        alias="from",
+        description="Name of the wire above; 'messenger' if left out.",
+    )
+    to: str | None = Field(
+        default=None, description="Name of the wire below; 'contact' if left out."
+    )
+    about: Literal["span", "mast"] = Field(
+        default="span",
+        description="What positions count from: the support on the left of every 'span', or every "
+        "support between the anchors ('mast'; negative on its left).",
+    )
 
     mode: Annotated[
         Literal["height", "length"],
@@ -98,12 +113,14 @@ class Droppers(Spec):
         "(lengths; heights are found). The list of the other mode is not used.",
     )
     positions: Positions = Field(
-        description="Distance of the droppers from the support on the left of their span."
+        description="Distance of the droppers from the support on the left of their span, or from "
+        "the support that 'about: mast' names."
     )
     presag: Presags | None = Field(
         default=None,
         description="Mode 'height': depth of the contact wire at the droppers below the straight "
-        "line between the contact heights of the two supports, positive downwards.",
+        "line between the contact heights of the two supports, positive downwards. With a wire "
+        "'to' other than 'contact' it may be left out: no pre-sag.",
     )
     lengths: Lengths | None = Field(
         default=None, description="Mode 'length': dropper lengths, clamp to clamp."
@@ -134,7 +151,8 @@ class Droppers(Spec):
     @model_validator(mode="after")
     def _check_prescribed_list(self) -> Droppers:
         name = "presag" if self.mode == "height" else "lengths"
-        if getattr(self, name) is None:
+        is_level = name == "presag" and self.to not in (None, "contact")
+        if getattr(self, name) is None and not is_level:
             refuse(
                 [
                     Problem(
@@ -146,13 +164,26 @@ class Droppers(Spec):
             )
         return self
 
+    @property
+    def upper(self) -> str:
+        """Name of the wire above."""
+        return self.from_ or "messenger"
+
+    @property
+    def lower(self) -> str:
+        """Name of the wire below."""
+        return self.to or "contact"
+
     def positions_by_span(self, spans: int) -> BySpan:
         """Return the positions [m] from the left support, one tuple per span."""
         return _by_span(self.positions, spans)
 
     def presag_by_span(self, spans: int) -> BySpan:
         """Return the pre-sags [m], one tuple per span; empty in mode 'length' without presag."""
-        return () if self.presag is None else _by_span(self.presag, spans)
+        if self.presag is not None:
+            return _by_span(self.presag, spans)
+        positions = self.positions_by_span(spans) if self.mode == "height" else ()
+        return tuple((0.0,) * len(row) for row in positions)
 
     def lengths_by_span(self, spans: int) -> BySpan:
         """Return the given lengths [m], one tuple per span; empty when none are given."""

@@ -194,17 +194,22 @@ class Irregularities(Spec):
 
 
 def check_irregularities(
-    line: Line, droppers: Droppers, irregularities: Irregularities
+    line: Line, droppers: Droppers | tuple[Droppers, ...], irregularities: Irregularities
 ) -> list[Problem]:
     """Check that errors of installation fit the droppers and that bumps lie on the line."""
     problems = []
     installation = irregularities.installation
     if installation is not None:
         at = ("irregularities", "installation")
-        if installation.of == "height" and droppers.mode == "length":
+        sets = droppers if isinstance(droppers, tuple) else (droppers,)
+        if installation.of == "height" and any(one.mode == "length" for one in sets):
             text = "got 'height', but droppers.mode 'length' prescribes lengths; use of: length"
             problems.append(Problem((*at, "of"), text))
-        problems += _check_values(line, droppers, installation.values)
+        if isinstance(droppers, Droppers):
+            problems += _check_values(line, droppers, installation.values)
+        elif installation.values is not None:
+            text = "needs a single set of droppers; with several sets draw the errors"
+            problems.append(Problem((*at, "values"), text))
     for index, part in enumerate(irregularities.unevenness):
         if part.position is not None and part.position > line.length():
             text = f"got {part.position:g} m; the line is {line.length():g} m long"

@@ -89,8 +89,10 @@ class Supports(Spec):
     contact_height: HeightPerSupport = Field(
         default=5.3, description="Height of the contact wire at the supports, above the rails."
     )
-    encumbrance: EncumbrancePerSupport = Field(
-        description="Height of the messenger wire above the contact wire at the supports."
+    encumbrance: EncumbrancePerSupport | None = Field(
+        default=None,
+        description="Height of the messenger wire above the contact wire at the supports; needed "
+        "with a messenger wire.",
     )
     contact_stagger: StaggerPerSupport = Field(
         default=0.0,
@@ -178,8 +180,8 @@ class Supports(Spec):
         return _per_support(self.contact_height, supports)
 
     def encumbrances(self, supports: int) -> Values:
-        """Return the encumbrance [m] at each of the supports."""
-        return _per_support(self.encumbrance, supports)
+        """Return the encumbrance [m] at each of the supports; 0 when there is none."""
+        return _per_support(0.0 if self.encumbrance is None else self.encumbrance, supports)
 
     def contact_staggers(self, supports: int) -> Values:
         """Return the stagger of the contact wire [m] at each of the supports."""

@@ -1,0 +1,64 @@
+"""Where steady arms stand: pull-off or push-off, as the stagger asks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautwire.errors import ModelError
+from tautwire.line.labels import MastLabel, place
+from tautwire.specs.line.support import Supports
+
+STRAIGHT = 1e-6
+"""Change of direction [rad] below which a wire runs straight past a support."""
+
+Values = tuple[float, ...]
+
+
+def arm_ends(
+    spec: Supports, masts: range, s: Values, y: Values, z: Values
+) -> dict[int, tuple[float, float]]:
+    """Return the far ends (y, z) of given arms by mast [m]; none unless they are given.
+
+    Parameters
+    ----------
+    spec
+    masts
+        0-based masts of the wire, its anchors included.
+    s, y, z
+        Place, lateral position and height of the wire at all masts of the line [m].
+
+    Raises
+    ------
+    ModelError
+        When the wire runs straight past a support, so that its arm has nothing to pull.
+    """
+    if spec.closure != "arm":
+        return {}
+    inner = masts[1:-1]
+    if spec.arm_end_y is not None and spec.arm_end_z is not None:
+        given = zip(spec.arm_end_y, spec.arm_end_z, strict=True)
+        return {
+            mast: (end_y, end_z)
+            for mast, (end_y, end_z) in enumerate(given)
+            if mast in inner and end_y is not None and end_z is not None
+        }
+    angle = float(spec.arm.angle or 0.0)
+    reach, rise = spec.arm.length * np.cos(angle), spec.arm.length * np.sin(angle)
+    sides = _pulling_sides(masts, s, y)
+    return {m: (float(y[m] + sides[m] * reach), float(z[m] + rise)) for m in inner}
+
+
+def _pulling_sides(masts: range, s: Values, y: Values) -> dict[int, float]:
+    """Return +1 or -1 for each support: the side to which its arm must pull."""
+    own = list(masts)
+    bend = np.diff(np.diff(np.array(y)[own]) / np.diff(np.array(s)[own]))
+    faults = [
+        f"{place(MastLabel.of_index(mast), s[mast])}: the contact wire runs straight "
+        "there, so a steady arm has nothing to pull; give it stagger (supports.contact_stagger), "
+        "give the far ends (arm_end_y, arm_end_z) or use closure 'spring'"
+        for mast, change in zip(own[1:-1], bend, strict=True)
+        if abs(change) < STRAIGHT
+    ]
+    if faults:
+        raise ModelError("\n".join(faults))
+    return dict(zip(own[1:-1], (-np.sign(bend)).tolist(), strict=True))
