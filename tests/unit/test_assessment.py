@@ -230,11 +230,11 @@ def test_unknown_system_is_refused(statistics: RunStatistics, case: Case) -> Non
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("limits: [", "not valid YAML"),
+        ("limits: [", "line 1, column 10: while parsing"),
         ("schema: 2\nlimits: []", "schema"),
         ("schema: 1\nlimits: [{id: a}]", r"limits\[1\]"),
         ("schema: 1\nlimits: []\nlimit: 3", "limit: Extra inputs"),
-        ("- 1", "the file"),
+        ("- 1", "must be a mapping of keys to values, not a list"),
     ],
 )
 def test_bad_file_of_limits_is_refused(tmp_path: Path, text: str, message: str) -> None:
@@ -251,13 +251,22 @@ def test_unreadable_files_of_limits_are_refused(tmp_path: Path) -> None:
     binary.write_bytes(b"\xff\xfe\x00")
     huge.write_bytes(b" " * 1_000_001)
     for path, message in (
-        (tmp_path, "is not a file"),
-        (tmp_path / "none.yaml", "is not a file"),
+        (tmp_path, "is a directory"),
+        (tmp_path / "none.yaml", "there is no such file"),
         (binary, "UTF-8"),
-        (huge, "larger than"),
+        (huge, "at most 1 MB are read"),
     ):
         with pytest.raises(InputError, match=message):
             load_limits(path)
+
+
+@pytest.mark.parametrize("value", ["!!bool maybe", "!!set {a}", "&a [*a]", "[" * 5000])
+def test_hostile_files_of_limits_are_refused(value: str, tmp_path: Path) -> None:
+    """Limits are read as cases are: plain YAML 1.2, no tags, no depth without end."""
+    path = tmp_path / "limits.yaml"
+    path.write_text(f"limits: {value}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"limits\.yaml"):
+        load_limits(path)
 
 
 def test_limits_are_immutable() -> None:

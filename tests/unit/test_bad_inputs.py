@@ -433,8 +433,8 @@ BAD_VALUES = {
 # Whole files that cannot be parsed, and words that the message must contain.
 BAD_FILES = {
     "empty.yaml": ("  \n", ["is empty", "tautwire cases ac-simple --copy"]),
-    "comment.yaml": ("# nothing\n", ["must be a mapping with keys such as 'line'", "not nothing"]),
-    "list.yaml": ("- 1\n- 2\n", ["must be a mapping with keys such as 'line'", "not a list"]),
+    "comment.yaml": ("# nothing\n", ["must be a mapping of keys to values", "not nothing"]),
+    "list.yaml": ("- 1\n- 2\n", ["must be a mapping of keys to values", "not a list"]),
     "text.yaml": ("hello\n", ["must be a mapping", "not a text"]),
     "number.json": ("5", ["must be a mapping", "not a single value"]),
     "bracket.yaml": ("a: [1\n", ["line 2, column 1: while parsing a flow sequence"]),

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from tautwire.errors import InputError
+from tautwire.inputs.reading.documents import parse_document
+from tautwire.inputs.reading.files import named, read_case_text
+from tautwire.inputs.reading.grouping import grouped
 from tautwire.specs.base import FORMS, ContradictionError
 
 Entry = TypeVar("Entry", bound=BaseModel)
-
-MAX_SIZE = 1_000_000
-"""Largest data file that is read [bytes]."""
 
 
 class Record(BaseModel):
@@ -38,7 +38,7 @@ def read_library(name: str, model: type[Entry]) -> Entry:
         What the file must hold.
     """
     text = files("tautwire").joinpath("catalogue", name).read_text(encoding="utf-8")
-    return _parse(text, name, model)
+    return _parsed(text, name, ".yaml", model)
 
 
 def read_file(path: str | Path, model: type[Entry]) -> Entry:
@@ -50,29 +50,16 @@ def read_file(path: str | Path, model: type[Entry]) -> Entry:
         When the file cannot be read or does not hold what it should; every fault is named.
     """
     source = Path(path)
-    if not source.is_file():
-        raise InputError(f"{source} is not a file; give the path of a YAML file")
-    if source.stat().st_size > MAX_SIZE:
-        raise InputError(f"{source} is larger than {MAX_SIZE} bytes; a data file is far smaller")
-    try:
-        text = source.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{source} cannot be read as UTF-8 text: {error}") from None
-    return _parse(text, str(source), model)
+    return _parsed(read_case_text(source), named(source), source.suffix, model)
 
 
-def _parse(text: str, name: str, model: type[Entry]) -> Entry:
-    import yaml
-
-    try:
-        content: Any = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise InputError(f"{name} is not valid YAML: {error}") from None
+def _parsed(text: str, label: str, suffix: str, model: type[Entry]) -> Entry:
+    content = parse_document(text, label, suffix)
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        faults = [text for fault in error.errors() for text in _sentences(name, fault)]
-        raise InputError(faults) from None
+        faults = [text for fault in error.errors() for text in _sentences(label, fault)]
+        raise InputError(grouped(faults)) from None
 
 
 def _sentences(name: str, fault: ErrorDetails) -> list[str]:

@@ -61,9 +61,7 @@ def parse_document(text: str, label: str, suffix: str) -> dict[str, Any]:
         reason = f"cannot be read as {_language(suffix)}: {_reason(error)}"
         raise InputError(f"{label}: {reason}") from None
     if not isinstance(data, dict):
-        raise InputError(
-            f"{label}: must be a mapping with keys such as 'line' and 'wires', not {_kind(data)}"
-        )
+        raise InputError(f"{label}: must be a mapping of keys to values, not {_kind(data)}")
     problems = grouped(f"{label}: {place}{fault}" for place, fault in _unfit(data))
     if problems:
         raise InputError(problems)
