@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import tautwire
-from tautwire.inputs import line_tables, measured
+from tautwire.inputs import measured
+from tautwire.inputs.reading import line_tables
 from tautwire.specs.line.irregularity import Unevenness
 from tautwire.specs.pantograph import RoofMotion
 from tautwire.specs.vocabulary import features

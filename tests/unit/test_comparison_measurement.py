@@ -212,6 +212,6 @@ def test_running_directions_are_compared(run: Run, direction: str, told: bool) -
 def test_missed_tolerances_are_named(run: Run) -> None:
     """A standard deviation 30 % too high misses its tolerance of 20 %, verified or not."""
     comparison = compare_with_measurement(run, measured_like(run, gain=1 / 1.3))
-    assert "standard_deviation" in comparison.missed()
-    assert comparison.as_dict()["missed"] == list(comparison.missed())
-    assert compare_with_measurement(run, measured_like(run)).missed() == ()
+    assert "standard_deviation" in comparison.missed
+    assert comparison.as_dict()["missed"] == list(comparison.missed)
+    assert compare_with_measurement(run, measured_like(run)).missed == ()

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.inputs.grouping import SHOWN
 from tautwire.inputs.load import load_case
 from tautwire.inputs.measured import read_measured
+from tautwire.inputs.reading.grouping import SHOWN
 from tautwire.studies.study_file import load_study
 from tautwire.text import csv_text, printable, shortened, unprintable
 

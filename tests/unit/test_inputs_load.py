@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from tautwire.errors import InputError
-from tautwire.inputs.documents import parse_document, parse_value
 from tautwire.inputs.load import load_case, make_case
 from tautwire.inputs.merge import merge
+from tautwire.inputs.reading.documents import parse_document, parse_value
 from tautwire.specs import Case
 
 HEAD = "schema: 1\ninclude: ac-simple\nname: mine\n"

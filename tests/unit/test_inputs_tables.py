@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.inputs.grouping import SHOWN
 from tautwire.inputs.load import load_case
 from tautwire.inputs.measured import read_measured
+from tautwire.inputs.reading.grouping import SHOWN
 from tautwire.specs import Case
 
 SUPPORTS = """\

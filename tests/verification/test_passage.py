@@ -235,6 +235,21 @@ def test_extreme_lines_agree_with_full_newton(changes: dict[str, Any]) -> None:
     assert fast.contact_force == pytest.approx(full.contact_force, abs=1e-3)
 
 
+@pytest.mark.parametrize("wires", [("messenger",), ("contact",), ("messenger", "contact")])
+def test_wires_without_bending_stiffness(wires: tuple[str, ...]) -> None:
+    """A rope without bending stiffness is the limit of one that bends ever more easily: from 1e-3
+    N m^2 to none the contact force changes by less than 1e-3 N, where 195 N m^2 are worth more
+    than 1e-2 N."""
+
+    def force(stiffness: float) -> Array:
+        changes = {f"wires__{name}__bending_stiffness": stiffness for name in wires}
+        return np.asarray(run(**SHORT, **changes).contact_force)
+
+    limp, supple = force(0.0), force(1e-3)
+    assert np.abs(limp - supple).max() < 1e-3
+    assert np.abs(limp - reference().contact_force).max() > 1e-2
+
+
 def test_damping_follows_its_coefficients() -> None:
     """More stiffness-proportional damping smooths the contact force (theory, section 4)."""
     smooth = run(**SHORT, line__damping={"mass": 0.0125, "stiffness": 5e-4})

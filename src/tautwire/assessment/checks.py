@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import ClassVar
 
 from tautwire.assessment.limits import Limit, Limits, known_system, load_limits
 from tautwire.assessment.references import load_references
+from tautwire.plain import Plain
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 from tautwire.specs.scenario import TUNING_TOLERANCE
@@ -24,7 +25,7 @@ _PUBLISHED_AS = {"mean": "mean", "standard_deviation": "std_0_20", "maximum": "m
 
 
 @dataclass(frozen=True)
-class Check:
+class Check(Plain):
     """One number against one limit.
 
     Attributes
@@ -49,6 +50,8 @@ class Check:
     explanation : str
         What is known of a value outside its limit; empty where nothing is.
     """
+
+    derived: ClassVar[tuple[str, ...]] = ("verdict", "words")
 
     name: str
     pantograph: str | None
@@ -82,14 +85,6 @@ class Check:
             return "no value"
         found = "within the limit" if self.within else "not within the limit"
         return found if self.verified else f"{found}, which was not checked against the standard"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the check as plain data for JSON, None in place of NaN."""
-        content = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        for name in ("value", "limit"):
-            if not math.isfinite(content[name]):
-                content[name] = None
-        return {**content, "verdict": self.verdict, "words": self.words}
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ analysed section that was measured.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tautwire.assessment.limits import Limits, Tolerance, load_limits
 from tautwire.errors import InputError
 from tautwire.inputs.measured import MeasuredRun
+from tautwire.plain import Plain, named
 from tautwire.results.run import Run
 from tautwire.signals.bands import band_signal
 from tautwire.signals.filters import Lowpass, SharpLowpass, evenly_spaced, is_uniform
@@ -29,7 +30,7 @@ _LARGE_STEP = 3.0
 
 
 @dataclass(frozen=True)
-class MeasurementRow:
+class MeasurementRow(Plain):
     """One number of the run beside the measured one.
 
     Attributes
@@ -71,14 +72,9 @@ class MeasurementRow:
     verified: bool
     note: str
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the row as plain data for JSON, None in place of NaN."""
-        content = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {k: None if v != v else v for k, v in content.items()}
-
 
 @dataclass(frozen=True, eq=False)
-class MeasurementComparison:
+class MeasurementComparison(Plain):
     """Table and overlay of a simulated and a measured run.
 
     Attributes
@@ -98,33 +94,23 @@ class MeasurementComparison:
     notes : tuple of str
     """
 
-    label: str
+    derived: ClassVar[tuple[str, ...]] = ("missed",)
+
+    label: str = field(metadata=named("measurement"))
     pantograph: str
     filter: str
-    start: float
-    end: float
+    start: float = field(metadata=named("start_m"))
+    end: float = field(metadata=named("end_m"))
     rows: tuple[MeasurementRow, ...]
     position: Array
     simulated_force: Array
     measured_force: Array
     notes: tuple[str, ...]
 
+    @property
     def missed(self) -> tuple[str, ...]:
         """Return the quantities whose difference is not allowed, whether verified or not."""
         return tuple(row.quantity for row in self.rows if row.within is False)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the table as plain data for JSON."""
-        return {
-            "measurement": self.label,
-            "pantograph": self.pantograph,
-            "filter": self.filter,
-            "start_m": self.start,
-            "end_m": self.end,
-            "rows": [row.as_dict() for row in self.rows],
-            "missed": list(self.missed()),
-            "notes": list(self.notes),
-        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,13 +7,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from tautwire.assessment.data import Record, read_file, read_library
 from tautwire.errors import InputError
+from tautwire.plain import Plain
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.statistics import RunStatistics
 from tautwire.units import parse_unit, to_unit
@@ -195,7 +196,7 @@ class ReferenceLibrary(Record):
 
 
 @dataclass(frozen=True)
-class ReferenceRow:
+class ReferenceRow(Plain):
     """One number of a run beside a published one, in SI units.
 
     Attributes
@@ -235,11 +236,6 @@ class ReferenceRow:
     def is_off(self) -> bool:
         """True outside a published range, or more than 5 % off a published value."""
         return self.inside is False or abs(self.deviation or 0.0) > LARGE_DEVIATION
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the row as plain data for JSON, None in place of NaN."""
-        content = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {k: None if v != v else v for k, v in content.items()}
 
 
 def load_references(path: str | Path | None = None) -> ReferenceLibrary:

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals, span_lengths
 from tautwire.model.mesh import element_lengths
+from tautwire.plain import Plain
 from tautwire.specs.case import Case
 
 
@@ -70,7 +70,7 @@ def midspan_elasticity(
 
 
 @dataclass(frozen=True)
-class WaveQuantity:
+class WaveQuantity(Plain):
     """One line of the wave-quantity sheet.
 
     Attributes
@@ -87,11 +87,6 @@ class WaveQuantity:
     value: float
     unit: str
     formula: str
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the line as plain data for JSON."""
-        value = self.value if math.isfinite(self.value) else None
-        return {"name": self.name, "value": value, "unit": self.unit, "formula": self.formula}
 
 
 def wave_quantities(case: Case) -> tuple[WaveQuantity, ...]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping
 from typing import Any
+
+from tautwire.plain import plain
 
 
 def to_json(value: Any) -> str:
@@ -18,19 +18,6 @@ def to_json(value: Any) -> str:
         number that is not finite becomes null.
     """
     return _written(plain(value), "")
-
-
-def plain(value: Any) -> Any:
-    """Return data that JSON knows; a number that is not finite becomes None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _written(value: Any, margin: str) -> str:

@@ -16,11 +16,11 @@ from tautwire.catalogue.numbers import Number
 from tautwire.catalogue.parts import Part
 from tautwire.catalogue.shelf import Shelf, package_shelf, read_parts
 from tautwire.errors import InputError
-from tautwire.inputs.documents import parse_document
-from tautwire.inputs.files import read_case_text
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import fields_by_key, format_path, spec_at
+from tautwire.inputs.reading.documents import parse_document
+from tautwire.inputs.reading.files import read_case_text
 
 USE = "use"
 Sources = list[dict[str, str]]

@@ -14,14 +14,6 @@ from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs import inheritance
 from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
-from tautwire.inputs.documents import SUFFIXES, parse_document
-from tautwire.inputs.files import did_you_mean, named, neighbours, read_case_text
-from tautwire.inputs.line_tables import (
-    Overlay,
-    read_columns,
-    read_dropper_table,
-    read_support_table,
-)
 from tautwire.inputs.merge import merge
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import (
@@ -33,8 +25,16 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
-from tautwire.inputs.reach import Reach
-from tautwire.inputs.tables import Cells, Column
+from tautwire.inputs.reading.documents import SUFFIXES, parse_document
+from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
+from tautwire.inputs.reading.line_tables import (
+    Overlay,
+    read_columns,
+    read_dropper_table,
+    read_support_table,
+)
+from tautwire.inputs.reading.reach import Reach
+from tautwire.inputs.reading.tables import Cells, Column
 from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.text import shown
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.inputs.tables import Column, Table, read_table
+from tautwire.inputs.reading.tables import Column, Table, read_table
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class MeasuredRun:
 def read_measured(path: str | os.PathLike[str]) -> MeasuredRun:
     """Read a measured run.
 
-    The file is a table as described in :mod:`tautwire.inputs.tables` with the columns
+    The file is a table as described in :mod:`tautwire.inputs.reading.tables` with the columns
     ``position`` and ``force``, and where they were measured ``time``, ``speed`` and ``uplift``.
     Other columns are ignored.
 

@@ -10,8 +10,6 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
-from tautwire.inputs.files import did_you_mean
-from tautwire.inputs.grouping import pattern, thinned, with_count
 from tautwire.inputs.paths import (
     Path,
     PathError,
@@ -23,7 +21,9 @@ from tautwire.inputs.paths import (
     value_at,
     without_forms,
 )
-from tautwire.inputs.tables import Cells
+from tautwire.inputs.reading.files import did_you_mean
+from tautwire.inputs.reading.grouping import pattern, thinned, with_count
+from tautwire.inputs.reading.tables import Cells
 from tautwire.specs.base import (
     LIST,
     MAPPING,

@@ -8,9 +8,9 @@ from typing import Any
 from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs.completion import USE, write_out
-from tautwire.inputs.documents import parse_value
 from tautwire.inputs.merge import clear_excluded
 from tautwire.inputs.paths import Path, PathError, find_target, format_path, parse_path, value_at
+from tautwire.inputs.reading.documents import parse_value
 from tautwire.units import UnitError, parse_quantity
 
 Overrides = Mapping[str, Any] | Iterable[str]

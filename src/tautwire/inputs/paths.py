@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 from pydantic import Tag
 from pydantic.fields import FieldInfo
 
-from tautwire.inputs.files import did_you_mean
+from tautwire.inputs.reading.files import did_you_mean
 from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
 from tautwire.specs.vocabulary import PAGE, meaning_of

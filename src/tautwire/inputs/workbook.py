@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.errors import InputError
-from tautwire.inputs.documents import parse_document
-from tautwire.inputs.files import read_case_text
 from tautwire.inputs.merge import merge
 from tautwire.inputs.own_line import Choice, Wish, as_data, presag_of, template
 from tautwire.inputs.own_line import dropper_positions as usual_positions
+from tautwire.inputs.reading.documents import parse_document
+from tautwire.inputs.reading.files import read_case_text
 from tautwire.tables.line import LineTables, read_line
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import SUFFIXES, read_sheets

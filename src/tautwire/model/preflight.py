@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import attachment_intervals
 from tautwire.model import mesh
+from tautwire.plain import Plain
 from tautwire.specs.case import Case
 from tautwire.specs.settings import NOT_GIVEN
 
@@ -38,7 +39,7 @@ _MUCH_MEMORY = 1e9
 
 
 @dataclass(frozen=True)
-class Advice:
+class Advice(Plain):
     """One thing to know before computing.
 
     Attributes
@@ -60,10 +61,6 @@ class Advice:
 
     def __str__(self) -> str:
         return f"{self.topic}: {self.text}; {self.cure}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the advice as plain data for JSON."""
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
 def preflight(case: Case) -> tuple[Advice, ...]:

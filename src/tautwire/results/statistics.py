@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import InputError
+from tautwire.plain import Plain, named, plain
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ ARC_NOTE = (
 
 
 @dataclass(frozen=True)
-class Section:
+class Section(Plain):
     """The analysed part of the line.
 
     Attributes
@@ -42,21 +43,12 @@ class Section:
 
     first_span: int
     last_span: int
-    start: float
-    end: float
+    start: float = field(metadata=named("start_m"))
+    end: float = field(metadata=named("end_m"))
 
     def contains(self, position: Array) -> NDArray[np.bool_]:
         """Mark the positions inside the section, limits included; (n,) m to (n,) bool."""
         return (position >= self.start) & (position <= self.end)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the section as plain data for JSON."""
-        return {
-            "first_span": self.first_span,
-            "last_span": self.last_span,
-            "start_m": self.start,
-            "end_m": self.end,
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +67,7 @@ class Histogram:
 
 
 @dataclass(frozen=True)
-class SpanStatistics:
+class SpanStatistics(Plain):
     """Contact force within one span, by default low-passed at 20 Hz.
 
     Attributes
@@ -87,23 +79,15 @@ class SpanStatistics:
         NaN where the pantograph was never in the span.
     """
 
+    untold: ClassVar[tuple[str, ...]] = ("start", "end")
+
     span: int
     start: float
     end: float
-    mean: float
-    standard_deviation: float
-    maximum: float
-    minimum: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the span's numbers as plain data for JSON."""
-        return {
-            "span": self.span,
-            "mean_n": _plain(self.mean),
-            "std_n": _plain(self.standard_deviation),
-            "max_n": _plain(self.maximum),
-            "min_n": _plain(self.minimum),
-        }
+    mean: float = field(metadata=named("mean_n"))
+    standard_deviation: float = field(metadata=named("std_n"))
+    maximum: float = field(metadata=named("max_n"))
+    minimum: float = field(metadata=named("min_n"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,16 +140,16 @@ class FilteredStatistics:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers as plain data for JSON, None in place of NaN."""
-        bands = {f"std_{k}_n": _plain(v) for k, v in self.standard_deviations.items()}
+        bands = {f"std_{k}_n": plain(v) for k, v in self.standard_deviations.items()}
         return {
             "filter": self.description,
-            "mean_n": _plain(self.mean),
+            "mean_n": plain(self.mean),
             **bands,
-            "max_n": _plain(self.maximum),
-            "min_n": _plain(self.minimum),
-            "statistical_max_n": _plain(self.statistical_maximum),
-            "statistical_min_n": _plain(self.statistical_minimum),
-            "percentiles_n": {f"{k:g}": _plain(v) for k, v in self.percentiles.items()},
+            "max_n": plain(self.maximum),
+            "min_n": plain(self.minimum),
+            "statistical_max_n": plain(self.statistical_maximum),
+            "statistical_min_n": plain(self.statistical_minimum),
+            "percentiles_n": {f"{k:g}": plain(v) for k, v in self.percentiles.items()},
             "histogram": {
                 "edges_n": self.histogram.edges.tolist(),
                 "share": self.histogram.share.tolist(),
@@ -175,7 +159,7 @@ class FilteredStatistics:
 
 
 @dataclass(frozen=True)
-class LossEvent:
+class LossEvent(Plain):
     """One loss of contact inside the section.
 
     Attributes
@@ -192,25 +176,15 @@ class LossEvent:
         True when a limit of the section or of the record cut the loss.
     """
 
-    start: float
-    duration: float
-    position: float
+    start: float = field(metadata=named("start_s"))
+    duration: float = field(metadata=named("duration_ms", 1e3))
+    position: float = field(metadata=named("position_m"))
     place: str
     is_cut: bool
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the event as plain data for JSON."""
-        return {
-            "start_s": self.start,
-            "duration_ms": 1e3 * self.duration,
-            "position_m": self.position,
-            "place": self.place,
-            "is_cut": self.is_cut,
-        }
-
 
 @dataclass(frozen=True)
-class LossClass:
+class LossClass(Plain):
     """Losses from one duration to the next.
 
     Attributes
@@ -220,13 +194,9 @@ class LossClass:
     count : int
     """
 
-    low: float
-    high: float
+    low: float = field(metadata=named("from_ms", 1e3))
+    high: float = field(metadata=named("to_ms", 1e3))
     count: int
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the class as plain data for JSON."""
-        return {"from_ms": 1e3 * self.low, "to_ms": _plain(1e3 * self.high), "count": self.count}
 
 
 @dataclass(frozen=True)
@@ -282,10 +252,10 @@ class ContactLoss:
         """Return the losses as plain data for JSON."""
         return {
             "count": self.count,
-            "percent": _plain(self.percent),
+            "percent": plain(self.percent),
             "longest_ms": 1e3 * self.longest,
             "count_over_5_ms": self.count_over(),
-            "percent_over_5_ms": _plain(self.percent_over()),
+            "percent_over_5_ms": plain(self.percent_over()),
             "observed_s": self.observed,
             "classes": [part.as_dict() for part in self.classes()],
             "events": [event.as_dict() for event in self.events],
@@ -342,7 +312,7 @@ class PantographStatistics:
             "headline": self.headline_kind,
             **{kind: part.as_dict() for kind, part in self.filtered.items()},
             "contact_loss": self.contact_loss.as_dict(),
-            "contact_height_range_mm": _plain(1e3 * self.contact_height_range),
+            "contact_height_range_mm": plain(1e3 * self.contact_height_range),
         }
 
 
@@ -373,8 +343,8 @@ class UpliftStatistics:
         """Return the uplift as plain data for JSON."""
         pairs = zip(self.supports.tolist(), self.uplift.tolist(), strict=True)
         return {
-            "max_mm": _plain(1e3 * self.maximum),
-            "supports": [{"support": n, "mm": _plain(1e3 * u)} for n, u in pairs],
+            "max_mm": plain(1e3 * self.maximum),
+            "supports": [{"support": n, "mm": plain(1e3 * u)} for n, u in pairs],
         }
 
 
@@ -409,10 +379,10 @@ class DropperStatistics:
             {
                 "span": int(self.span[i]),
                 "dropper": int(self.number[i]),
-                "static_n": _plain(self.static_force[i]),
-                "max_n": _plain(self.maximum[i]),
-                "min_n": _plain(self.minimum[i]),
-                "slack_s": _plain(self.slack_time[i]),
+                "static_n": plain(self.static_force[i]),
+                "max_n": plain(self.maximum[i]),
+                "min_n": plain(self.minimum[i]),
+                "slack_s": plain(self.slack_time[i]),
             }
             for i in range(self.span.size)
         ]
@@ -487,9 +457,3 @@ class RunStatistics:
             )
         lines.append(f"largest uplift at a support {1e3 * self.uplift.maximum:.1f} mm")
         return "\n".join([*lines, *self.notes])
-
-
-def _plain(value: float) -> float | None:
-    """Return a float for JSON, None in place of a number that is not finite."""
-    number = float(value)
-    return number if math.isfinite(number) else None

@@ -32,7 +32,24 @@ class Lowpass(Protocol):
         ...
 
     def apply(self, signal: ArrayLike, time_step: float) -> Array:
-        """Return the filtered signal, of the same shape; axis 0 is time."""
+        """Filter a record.
+
+        Parameters
+        ----------
+        signal : (n_time, ...)
+            Uniformly sampled record; axis 0 is time.
+        time_step : float s
+            Sampling interval.
+
+        Returns
+        -------
+        (n_time, ...) array
+
+        Raises
+        ------
+        ValueError
+            When the cut-off is not below the Nyquist frequency.
+        """
         ...
 
     def with_cutoff(self, cutoff: float) -> Lowpass:
@@ -66,24 +83,7 @@ class SharpLowpass:
         _require_positive_cutoff(self.cutoff)
 
     def apply(self, signal: ArrayLike, time_step: float) -> Array:
-        """Filter a record.
-
-        Parameters
-        ----------
-        signal : (n_time, ...)
-            Uniformly sampled record.
-        time_step : float s
-            Sampling interval.
-
-        Returns
-        -------
-        (n_time, ...) array
-
-        Raises
-        ------
-        ValueError
-            When the cut-off is not below the Nyquist frequency.
-        """
+        """Filter a record: see :meth:`Lowpass.apply`."""
         from scipy.fft import dct, idct
 
         record = _checked_record(signal, time_step, self.cutoff)
@@ -133,24 +133,7 @@ class Butterworth:
             )
 
     def apply(self, signal: ArrayLike, time_step: float) -> Array:
-        """Filter a record.
-
-        Parameters
-        ----------
-        signal : (n_time, ...)
-            Uniformly sampled record.
-        time_step : float s
-            Sampling interval.
-
-        Returns
-        -------
-        (n_time, ...) array
-
-        Raises
-        ------
-        ValueError
-            When the cut-off is not below the Nyquist frequency.
-        """
+        """Filter a record: see :meth:`Lowpass.apply`."""
         from scipy.signal import butter, sosfiltfilt
 
         record = _checked_record(signal, time_step, self.cutoff)

@@ -13,11 +13,11 @@ from pydantic_core import ErrorDetails
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
-from tautwire.inputs.documents import SUFFIXES, parse_document
-from tautwire.inputs.files import did_you_mean, read_case_text
-from tautwire.inputs.grouping import grouped
 from tautwire.inputs.paths import fields_by_key
-from tautwire.inputs.reach import Reach
+from tautwire.inputs.reading.documents import SUFFIXES, parse_document
+from tautwire.inputs.reading.files import did_you_mean, read_case_text
+from tautwire.inputs.reading.grouping import grouped
+from tautwire.inputs.reading.reach import Reach
 from tautwire.specs.base import ContradictionError, Spec
 from tautwire.specs.study import (
     AXIS_FORMS,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import InputError
+from tautwire.plain import Plain
 from tautwire.specs.study import Study
 from tautwire.studies import columns
 from tautwire.studies.axes import AxisValues, Dimension
@@ -47,7 +48,7 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Failure:
+class Failure(Plain):
     """Cases that failed for the same reason (numbers in it aside).
 
     Attributes
@@ -63,10 +64,6 @@ class Failure:
     status: str
     reason: str
     cases: tuple[int, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the failure as plain data for JSON."""
-        return {"status": self.status, "reason": self.reason, "cases": list(self.cases)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +22,7 @@ from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.vibration.harmonic import HarmonicLine
+from tautwire.plain import Plain, named
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.pantograph import Pantograph
 
@@ -87,7 +87,7 @@ class Receptance:
 
 
 @dataclass(frozen=True)
-class HeadOnSpring:
+class HeadOnSpring(Plain):
     """A contact stiffness and what it does.
 
     Attributes
@@ -101,23 +101,14 @@ class HeadOnSpring:
         Frequency of the head between the contact spring and its own, the wire held.
     """
 
-    stiffness: float
+    stiffness: float = field(metadata=named("contact_stiffness_n_per_m"))
     deviation: float
-    reaches: float
-    resonance: float
-
-    def as_dict(self) -> dict[str, float]:
-        """Return the numbers as plain data for JSON."""
-        return {
-            "contact_stiffness_n_per_m": self.stiffness,
-            "deviation": self.deviation,
-            "reaches_hz": self.reaches,
-            "head_resonance_hz": self.resonance,
-        }
+    reaches: float = field(metadata=named("reaches_hz"))
+    resonance: float = field(metadata=named("head_resonance_hz"))
 
 
 @dataclass(frozen=True)
-class ContactAdvice:
+class ContactAdvice(Plain):
     """Which contact stiffness keeps head and wire together.
 
     Attributes
@@ -131,19 +122,10 @@ class ContactAdvice:
         Usual values, and that of the case.
     """
 
-    band: float
+    band: float = field(metadata=named("band_hz"))
     tolerance: float
     smallest: HeadOnSpring | None
     candidates: tuple[HeadOnSpring, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the advice as plain data for JSON."""
-        return {
-            "band_hz": self.band,
-            "tolerance": self.tolerance,
-            "smallest": None if self.smallest is None else self.smallest.as_dict(),
-            "candidates": [item.as_dict() for item in self.candidates],
-        }
 
 
 def receptance(

@@ -12,7 +12,7 @@ from tautwire.cli.views.catalogue_view import as_data, details, listing
 from tautwire.cli.views.tables import heading
 from tautwire.errors import InputError
 from tautwire.inputs.completion import shelf_with
-from tautwire.inputs.files import did_you_mean
+from tautwire.inputs.reading.files import did_you_mean
 
 
 def show_catalogue(answer: Answer, words: str, kind: str | None, own: Path | None) -> None:

@@ -12,7 +12,7 @@ from tautwire.cli.progress import PassageWatch
 from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
-from tautwire.inputs.files import did_you_mean
+from tautwire.inputs.reading.files import did_you_mean
 from tautwire.reproductions import en50318_2002
 from tautwire.reproductions.record import Record, found_text, range_text, writers
 

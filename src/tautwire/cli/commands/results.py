@@ -166,7 +166,7 @@ def _comparison_view(compared: MeasurementComparison) -> list[Any]:
 def _outcome(compared: MeasurementComparison) -> str:
     """Say how many tolerances are met, and which are not."""
     judged = [row for row in compared.rows if row.within is not None]
-    missed = [_name(quantity) for quantity in compared.missed()]
+    missed = [_name(quantity) for quantity in compared.missed]
     if not judged:
         return "no number has both a tolerance and a value"
     if not missed:

@@ -156,18 +156,7 @@ class NativeStepper:
     def advance(
         self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
     ) -> StepBlock:
-        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
-
-        Parameters
-        ----------
-        steps
-            Number of steps.
-        time_step
-            Step [s]; that of the options by default.
-        until_crossing
-            Stop before a step in which the gap of a pantograph changes between negative and
-            not negative; that step is not kept.
-        """
+        """Take up to ``steps`` steps: see :meth:`.Stepper.advance`."""
         histories = self._empty_histories(steps)
         refused = np.empty(len(self._inputs))
         time = np.empty(steps)

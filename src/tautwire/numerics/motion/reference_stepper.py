@@ -147,18 +147,7 @@ class ReferenceStepper:
     def advance(
         self, steps: int, time_step: float | None = None, *, until_crossing: bool = False
     ) -> StepBlock:
-        """Take up to ``steps`` steps; fewer when one fails (see the block's status).
-
-        Parameters
-        ----------
-        steps
-            Number of steps.
-        time_step
-            Step [s]; that of the options by default.
-        until_crossing
-            Stop before a step in which the gap of a pantograph changes between negative and
-            not negative; that step is not kept.
-        """
+        """Take up to ``steps`` steps: see :meth:`.Stepper.advance`."""
         records: list[_Record] = []
         status, refused = Status.RUNNING, None
         for _ in range(steps):

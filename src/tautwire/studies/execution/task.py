@@ -5,7 +5,6 @@ A row holds SI numbers only, so it can be written as JSON and sent between machi
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.plain import plain
 from tautwire.specs.case import Case
 from tautwire.version import __version__
 
@@ -174,19 +174,6 @@ def _lines() -> Lines:
     from tautwire.studies.execution.setup import Lines
 
     return Lines()
-
-
-def plain(value: Any) -> Any:
-    """Return data that JSON knows; numbers that are not finite become None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if hasattr(value, "item"):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def peak_memory() -> float | None:

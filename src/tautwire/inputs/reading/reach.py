@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tautwire.errors import InputError
-from tautwire.inputs.files import named
+from tautwire.inputs.reading.files import named
 
 ALLOW = "TAUTWIRE_ALLOW"
 """Environment variable: further folders, separated as in PATH."""

@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from tautwire.errors import InputError
-from tautwire.inputs.grouping import grouped
+from tautwire.inputs.reading.grouping import grouped
 from tautwire.text import unprintable
 
 SUFFIXES = (".yaml", ".yml", ".toml", ".json")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.tables import COUNT, Cells, Column, Table, read_table
+from tautwire.inputs.reading.tables import COUNT, Cells, Column, Table, read_table
 from tautwire.specs.line.catenary import MOST_SPANS
 
 SUPPORT_COLUMNS = (

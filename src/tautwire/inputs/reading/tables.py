@@ -17,8 +17,8 @@ from math import isfinite
 from pathlib import Path
 
 from tautwire.errors import InputError
-from tautwire.inputs.files import did_you_mean, named, read_table_text
-from tautwire.inputs.grouping import grouped
+from tautwire.inputs.reading.files import did_you_mean, named, read_table_text
+from tautwire.inputs.reading.grouping import grouped
 from tautwire.text import shortened
 from tautwire.units import UnitError, expectation, parse_quantity
 
