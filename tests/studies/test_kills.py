@@ -37,9 +37,9 @@ STUDY_COMMAND = [sys.executable, "-m", "tautwire", "study", "study.json", "--wor
 
 REPRODUCTION = """
 import sys
-from tautwire.reproductions.song2021.passages import Scope
+from tautwire.reproductions.song2021.passages import UNCALIBRATED, Scope
 from tautwire.reproductions.song2021.reproduction import reproduce
-scope = Scope("tiny", 9, (500,), (), (500,), ("heights",))
+scope = Scope("tiny", 9, (UNCALIBRATED,), ("hinged",), (), ((UNCALIBRATED, "rough"),), (1,))
 print(reproduce(sys.argv[1], scope, workers=2, changes={"line.spans": 4}).statement)
 """
 """``reproduce --quick`` on a short line."""
