@@ -68,7 +68,7 @@ def _file(name: str, file: str, content: str | bytes, *words: str) -> Bad:
 VALUES = [
     _set("wrong unit", "wires.contact.tension=22 km/h", "wires.contact.tension", "a force [N]"),
     _set("unknown unit", "line.span_length=55 yards", "line.span_length", "expected a length"),
-    _set("unknown key", "supports.encumbrence=1", "supports.encumbrence",
+    _set("unknown key", "supports.lfit=1", "supports.lfit", "did you mean 'lift'?"),
          "did you mean 'encumbrance'?"),
     _set("negative mass", "wires.contact.mass=-1.35", "wires.contact.mass", "greater than 0"),
     _set("dropper outside span", "droppers.positions[9]=60 m", "outside the span of 55 m",
