@@ -69,7 +69,6 @@ VALUES = [
     _set("wrong unit", "wires.contact.tension=22 km/h", "wires.contact.tension", "a force [N]"),
     _set("unknown unit", "line.span_length=55 yards", "line.span_length", "expected a length"),
     _set("unknown key", "supports.lfit=1", "supports.lfit", "did you mean 'lift'?"),
-         "did you mean 'encumbrance'?"),
     _set("negative mass", "wires.contact.mass=-1.35", "wires.contact.mass", "greater than 0"),
     _set("dropper outside span", "droppers.positions[9]=60 m", "outside the span of 55 m",
          "droppers hang between 0.05 m and 54.95 m"),
