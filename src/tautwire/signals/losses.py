@@ -34,7 +34,8 @@ def contact_changes(time: ArrayLike, gap: ArrayLike) -> tuple[Array, NDArray[np.
     left = np.flatnonzero(lost[1:] != lost[:-1])
     step = instants[left + 1] - instants[left]
     crossing = instants[left] - height[left] * step / (height[left + 1] - height[left])
-    return crossing, lost[left + 1]
+    # Rounding may carry a crossing a bit past the sample at which the gap is zero.
+    return np.clip(crossing, instants[left], instants[left + 1]), lost[left + 1]
 
 
 def intervals_between(
