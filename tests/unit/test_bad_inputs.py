@@ -34,7 +34,7 @@ BAD_VALUES = {
     ),
     "unknown key without likeness": (
         "settings: {xyz: 1}",
-        ["settings.xyz: unknown key; known here are: contact_stiffness, nodes_between_droppers"],
+        ["settings.xyz: unknown key; known here are: contact_stiffness, band"],
     ),
     "key below a value": (
         "settings: {time_step: {value: 1 ms}}",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals, span_lengths
-from tautwire.model.mesh import element_lengths
+from tautwire.model.resolution import resolution
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 
@@ -164,10 +164,10 @@ def _passing_rows(case: Case) -> list[WaveQuantity]:
     rows = []
     for name, length in passing_lengths(case).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    element, _ = element_lengths(expand(case), case.settings)
+    element = resolution(case).longest
     rows.append(
         WaveQuantity(
-            "passing of the shortest element (numerical)",
+            "passing of the longest element of the contact wire (numerical)",
             speed / element,
             "Hz",
             f"v/{element:g} m",

@@ -15,6 +15,7 @@ from typing import Any
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.passages import (
     BASE,
+    NUMERICS,
     SPEEDS,
     TOP_SPEED,
     UPLIFT_SHARE,
@@ -153,6 +154,7 @@ def static_study() -> Study:
             "schema": 1,
             "name": "song2021-elasticity",
             "base": BASE,
+            "overrides": dict(NUMERICS),
             "axes": {"line": {"variants": variants}},
         }
     )
