@@ -14,10 +14,11 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
+from tautwire.specs.vocabulary import Meaning, folded, meaning_of, words_for
+from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
 from tautwire.tables.sheets import read_sheets
 from tautwire.tables.values import CellError, number_of
-from tautwire.tables.vocabulary import role_of
 
 SPANS = (60.0, 58.0, 55.0, 61.0, 50.0, 60.0, 60.0, 52.0)
 SUPPORTS: list[list[Any]] = [
@@ -259,3 +260,80 @@ def test_values_that_are_none() -> None:
 def test_wires_by_their_role(name: str, role: str) -> None:
     """Wires are known by what they are called in a table, whatever case and accents."""
     assert role_of(name) == role
+
+
+@pytest.mark.parametrize(
+    ("word", "key"),
+    [
+        ("Stützpunkt", "line.masts"),
+        ("N° poteau", "line.masts"),
+        ("Längsspannweite", "line.span_length"),
+        ("Stationing", "line.chainage"),
+        ("Systemhøyde", "supports.encumbrance"),
+        ("Effort", "wires.contact.tension"),
+        ("Tensile force", "wires.contact.tension"),
+        ("Hängerlänge", "droppers.lengths"),
+    ],
+)
+def test_headings_explain_unknown_keys(word: str, key: str) -> None:
+    """What heads a column of a table explains the unknown key of a case too."""
+    assert meaning_of(word) == Meaning(key=key)
+    headings = {
+        heading for kind in KINDS for field in fields_of(kind) for heading in field.headings
+    }
+    assert folded(word) in headings
+
+
+SHARED = [*words_for("line.span_length"), *words_for("supports.encumbrance")]
+
+
+@pytest.mark.parametrize("word", SHARED)
+def test_words_of_keys_head_columns(word: str, tmp_path: Path) -> None:
+    """Every word that explains an unknown key of the supports heads their column as well."""
+    path = table(tmp_path / "t.csv", f"Mast;Chainage;{word}\nA;0;50\nB;50;50\n")
+    mapping = propose(read_sheets(path)[0])
+    assert mapping is not None
+    assert not mapping.aside
+
+
+def test_spacing_is_no_position(tmp_path: Path) -> None:
+    """A distance from dropper to dropper is not read as a position along the span."""
+    assert meaning_of("spacing") == Meaning(key="droppers.positions")
+    path = table(tmp_path / "t.csv", "Span no;Position [m];Spacing [m]\n1;5;5\n1;10;5\n")
+    mapping = propose(read_sheets(path)[0])
+    assert mapping is not None
+    assert mapping.aside == ("Spacing [m]",)
+
+
+US_LINE = """
+schema: 2
+name: us-line
+include: ac-simple
+line: {span_length: 180 ft}
+wires:
+  contact: {tension: 4950 lbf, mass: 0.907 lb/ft}
+scenario: {speed: 150 mph}
+"""
+
+
+def test_line_in_units_of_us_practice(tmp_path: Path) -> None:
+    """Feet, inches, pounds and miles: a case and a table of masts, units in a row of their own."""
+    case = load_case(table(tmp_path / "us.yaml", US_LINE))
+    assert case.line.span_lengths()[0] == pytest.approx(54.864)
+    assert case.wires.contact.tension == pytest.approx(22018.7, abs=0.1)
+    assert case.wires.contact.mass == pytest.approx(1.34977, abs=1e-5)
+    assert case.scenario.speed == pytest.approx(67.056)
+    masts: list[list[Any]] = [["Pole", "Span", "Stagger", "System depth"], ["-", "ft", "in", "ft"],
+                              *([f"E{i}", 180, 8 * (-1) ** i, 4] for i in range(5)),
+                              ["E5", None, -8, 4]]  # fmt: skip
+    wires: list[list[Any]] = [["Wire", "Mass [lb/ft]", "Tension [lb]"],
+                              ["Trolley wire", 0.907, 4950], ["Messenger", 0.71, 3600]]  # fmt: skip
+    read = load_case(workbook(tmp_path / "us.xlsx", Poles=masts, Wires=wires))
+    assert read.line.span_lengths() == pytest.approx((54.864,) * 5)
+    assert read.line.masts == ("E0", "E1", "E2", "E3", "E4", "E5")
+    assert read.supports.contact_staggers(6)[:2] == pytest.approx((0.2032, -0.2032))
+    assert read.supports.encumbrances(6)[0] == pytest.approx(1.2192)
+    assert read.wires.contact.mass == case.wires.contact.mass
+    assert read.wires.contact.tension == case.wires.contact.tension
+    with pytest.raises(InputError, match=r"unknown key; it is given as line\.span_length"):
+        load_case(table(tmp_path / "bad.yaml", US_LINE + "bay: 180 ft\n"))
