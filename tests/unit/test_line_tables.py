@@ -14,6 +14,8 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
+from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.vocabulary import Meaning, folded, meaning_of, words_for
 from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
@@ -49,6 +51,11 @@ def workbook(path: Path, **sheets: list[list[Any]]) -> Path:
     return path
 
 
+def droppers_of(case: Case) -> Droppers:
+    assert isinstance(case.droppers, Droppers)
+    return case.droppers
+
+
 def table(path: Path, text: str, encoding: str = "utf-8") -> Path:
     path.write_bytes(text.encode(encoding))
     return path
@@ -64,6 +71,7 @@ def test_workbook_becomes_a_case(tmp_path: Path) -> None:
     assert case.supports.contact_staggers(9)[:3] == (0.2, -0.2, 0.2)
     assert case.supports.contact_heights(9)[0] == pytest.approx(5.3)
     assert (case.wires.contact.tension, case.wires.contact.mass) == (10e3, 0.89)
+    assert case.wires.messenger is not None
     assert case.wires.messenger.mass == 0.446
     sources = {source.path: source for source in case.sources}
     assert sources["line.span_length"].source == "Table valley.xlsx"
@@ -73,7 +81,7 @@ def test_workbook_becomes_a_case(tmp_path: Path) -> None:
 def test_droppers_follow_unequal_spans(tmp_path: Path) -> None:
     """Without a table of droppers they are placed in every span by rule, and all of them pull."""
     case = load_case(workbook(tmp_path / "valley.xlsx", Masts=SUPPORTS, Wires=WIRES))
-    rows = case.droppers.positions_by_span(len(SPANS))
+    rows = droppers_of(case).positions_by_span(len(SPANS))
     assert [row[0] for row in rows] == [4.5] * len(SPANS)
     assert [round(s - row[-1], 6) for s, row in zip(SPANS, rows, strict=True)] == [4.5] * len(SPANS)
     shape = find_shape(build(case.with_(**{"settings.nodes_between_droppers": 4})))
@@ -141,9 +149,9 @@ def test_lengths_and_masts_in_a_dropper_table(tmp_path: Path) -> None:
         ]
     path = workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Droppers=droppers, Wires=WIRES)
     case = load_case(path)
-    assert case.droppers.mode == "length"
-    assert case.droppers.lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
-    assert case.droppers.positions_by_span(8)[1] == (14.5, 29.0, 43.5)
+    assert droppers_of(case).mode == "length"
+    assert droppers_of(case).lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
+    assert droppers_of(case).positions_by_span(8)[1] == (14.5, 29.0, 43.5)
 
 
 def test_written_dropper_table_is_read_back(tmp_path: Path) -> None:
@@ -168,7 +176,7 @@ def test_presag_in_per_mille(tmp_path: Path) -> None:
     rows += [[s, x, "0,5"] for s in (1, 2, 3) for x in (10, 25, 40)]
     spans: list[list[Any]] = [["Mast", "Span [m]"], ["A", 60], ["B", 50], ["C", 60], ["D", None]]
     case = load_case(workbook(tmp_path / "w.xlsx", Masts=spans, Droppers=rows))
-    presag = [row[0] for row in case.droppers.presag_by_span(3)]
+    presag = [row[0] for row in droppers_of(case).presag_by_span(3)]
     assert presag == pytest.approx([0.030, 0.025, 0.030])
 
 
