@@ -206,7 +206,7 @@ class Run(Told):
         except ImportError:
             raise InputError(_MISSING.format("xarray")) from None
         both = ("time", "pantograph")
-        histories = {
+        histories: dict[str, tuple[tuple[str, str], NDArray[Any], str]] = {
             name: (both, np.column_stack([getattr(p, name) for p in self.pantographs]), unit)
             for name, unit in _HISTORIES.items()
         }
