@@ -230,7 +230,8 @@ def _step(case: Case) -> Iterator[Advice]:
         "time step",
         "note",
         f"steps of {step:g} ms carry {found.step:.4g} Hz of the band 0-{band:g} Hz "
-        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are not to be relied on",
+        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are not "
+        "to be relied on",
         f"leave settings.time_step out, or give {1e3 / (STEPS_PER_PERIOD * band):.3g} ms",
     )
 
