@@ -33,9 +33,10 @@ CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 
 def stretch_under(tension: float, axial_stiffness: float) -> float:
     """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
-    return float(
-        brentq(lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16)
+    root: Any = brentq(
+        lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16
     )
+    return float(root)
 
 
 def empty_system(node_count: int) -> System:

@@ -577,7 +577,7 @@ def test_encumbrance_too_small(tmp_path: Path) -> None:
     shape = find_shape(build(cured))
     assert 0.04 < shape.dropper_lengths.min() < 0.08
     expected = dropper_lengths(
-        cured.line, cured.wires, cured.droppers, cured.supports.encumbrances(4)[:2], 1
+        cured.line, cured.wires, cured.dropper_sets[0], cured.supports.encumbrances(4)[:2], 1
     )
     assert shape.dropper_lengths[5:10] == pytest.approx(expected, abs=0.015)
 
