@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from tautwire.analyses.road.shape import find_shape
+from tautwire.analyses.road.shape import RESIDUAL, find_shape
 from tautwire.model.build import Model, build
 from tautwire.model.equations import equations
 from tautwire.model.passage import plan_passage
@@ -141,7 +141,7 @@ def hang(system: System, gravity: float) -> Form:
         gravity=gravity,
         taut=np.empty(0, dtype=bool),
     )
-    return find_form(problem)
+    return find_form(problem, RESIDUAL)
 
 
 def kinetic_energy(system: System, v: Array) -> float:
