@@ -27,6 +27,7 @@ from tautwire.numerics.motion.stepper import (
     reachable_tolerance,
 )
 from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.specs.line.dropper import Droppers
 from tautwire.status import Status
 
 from ..lines import ac_simple, entering, moved, straight_wire
@@ -108,7 +109,9 @@ def test_same_passage(name: str) -> None:
     np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(native.gap, reference.gap, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(native.stages, reference.stages, rtol=0.0, atol=1e-10)
-    stiffness = ac_simple(**case).droppers.stiffness.of_length(1.0)
+    droppers = ac_simple(**case).droppers
+    assert isinstance(droppers, Droppers)
+    stiffness = droppers.stiffness.of_length(1.0)
     forces = native.dropper_force, reference.dropper_force
     np.testing.assert_allclose(*forces, rtol=0.0, atol=2e-10 * stiffness)
     np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-10)

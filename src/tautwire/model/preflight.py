@@ -12,7 +12,8 @@ from typing import Literal
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import attachment_intervals
-from tautwire.model import mesh
+from tautwire.line.pieces import Line
+from tautwire.model.mesh import element_lengths
 from tautwire.plain import Plain
 from tautwire.signals.bands import WIDEST
 from tautwire.signals.filters import STANDARD_CUTOFF
@@ -81,25 +82,22 @@ def preflight(case: Case) -> tuple[Advice, ...]:
     tuple of Advice
         Most severe first; empty when there is nothing to say.
     """
+    line = expand(case)
+    shortest, longest = element_lengths(line, case.settings)
     found = [
         *_end_of_passage(case),
         *_speed(case),
         *_start_of_section(case),
         *_ends_of_line(case),
-        *_element_passing(case),
+        *_element_passing(case, line, longest),
         *_contact_resonance(case),
-        *_steps_per_element(case),
+        *_steps_per_element(case, shortest),
         *_sampling(case),
-        *_memory(case),
+        *_memory(case, line),
         *_not_given(case),
     ]
     order: tuple[Severity, ...] = ("refused", "warning", "note")
     return tuple(sorted(found, key=lambda advice: order.index(advice.severity)))
-
-
-def element_lengths(case: Case) -> tuple[float, float]:
-    """Return the lengths of the shortest and of the longest wire element of the mesh [m]."""
-    return mesh.element_lengths(expand(case), case.settings)
 
 
 def _not_given(case: Case) -> Iterator[Advice]:
@@ -200,14 +198,13 @@ def _ends_of_line(case: Case) -> Iterator[Advice]:
         )
 
 
-def _element_passing(case: Case) -> Iterator[Advice]:
+def _element_passing(case: Case, line: Line, longest: float) -> Iterator[Advice]:
     """Tell that the passing of elements, n v / L_e, falls into a band that is reported."""
-    _, longest = element_lengths(case)
     frequency = case.scenario.speed / longest
     if frequency > WIDEST:
         return
     in_headline = frequency <= STANDARD_CUTOFF
-    needed = {band: _nodes_for(case, band) for band in (STANDARD_CUTOFF, WIDEST)}
+    needed = {band: _nodes_for(case, line, band) for band in (STANDARD_CUTOFF, WIDEST)}
     wanted = needed[STANDARD_CUTOFF if in_headline else WIDEST]
     cure = (
         f"settings.nodes_between_droppers: {wanted} moves it out of that band"
@@ -226,9 +223,9 @@ def _element_passing(case: Case) -> Iterator[Advice]:
     )
 
 
-def _nodes_for(case: Case, band: float) -> int:
+def _nodes_for(case: Case, line: Line, band: float) -> int:
     """Return the fewest nodes between droppers that keep element passing out of a band."""
-    _, interval = attachment_intervals(expand(case))
+    _, interval = attachment_intervals(line)
     return math.floor(band * interval / case.scenario.speed) + 2
 
 
@@ -256,9 +253,8 @@ def _contact_resonance(case: Case) -> Iterator[Advice]:
             )
 
 
-def _steps_per_element(case: Case) -> Iterator[Advice]:
+def _steps_per_element(case: Case, shortest: float) -> Iterator[Advice]:
     """Tell that a pantograph crosses an element in less than two steps."""
-    shortest, _ = element_lengths(case)
     advance = case.scenario.speed * case.settings.time_step
     if advance > shortest / _STEPS_PER_ELEMENT:
         longest = shortest / _STEPS_PER_ELEMENT / case.scenario.speed
@@ -285,9 +281,8 @@ def _sampling(case: Case) -> Iterator[Advice]:
         )
 
 
-def _memory(case: Case) -> Iterator[Advice]:
+def _memory(case: Case, line: Line) -> Iterator[Advice]:
     """Tell that the histories of a passage fill the memory of a usual machine."""
-    line = expand(case)
     droppers, supports = len(line.hangers), len(line.contact_supports)
     stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
     steps = case.line.length() / case.scenario.speed / case.settings.time_step

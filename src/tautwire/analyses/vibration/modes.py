@@ -33,7 +33,7 @@ MOST = 20_000
 
 SEARCH_WIDTH = 0.05
 """Half width of a search, relative to the frequency that a bare wire would have; the line's own
-frequency of that wavelength lies within 3 % of it."""
+modes of that wavelength lie within 5 % of it (ten spans of AC simple, 2.1 to 5.75 m)."""
 
 SENSITIVE_WITHIN = 0.01
 """Largest relative distance of a mode's wavelength from the wanted one: the lengths of a line that
@@ -41,7 +41,8 @@ are told apart differ by more. A longer line of the spectrum counts in its place
 
 _EDGE = 1e-7
 """Relative distance from the outermost modes at which modes are counted: above the error of a
-computed frequency (some 1e-12), below the distance of two modes (1e-4)."""
+computed frequency (some 1e-12), below the distance of two modes (2e-5 and more on ten
+spans at 45 Hz)."""
 NEAR, COUNT = 45.0, 20
 """Where modes are sought [Hz], and how many: those of AC simple with a wavelength of half a dropper
 interval lie at 45 Hz; the number is chosen."""

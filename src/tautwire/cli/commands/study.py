@@ -44,7 +44,7 @@ MOST_ROWS = 30
 MOST_WORKERS = 1000
 """Workers that may be asked for; a slip of the finger is told before it fills the memory."""
 MOST_ADVISED = 300
-"""Cases whose advice is computed before the work, some milliseconds each."""
+"""Cases whose advice is computed before the work, some ten milliseconds each."""
 
 
 @dataclass(frozen=True)
