@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from tautwire.inputs.load import load_case
+from tautwire.line.expand import expand
+from tautwire.line.pieces import Line
 from tautwire.model.band import frequency_of, wave_length
 from tautwire.model.build import build
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import resolution, size
+from tautwire.specs.case import Case
 from tautwire.specs.line.wire import Wire
 
 
@@ -28,7 +31,7 @@ def test_mesh_follows_from_the_band() -> None:
     The wave of 200 Hz ahead of a head at 320 km/h solves ``T k^2 + EI k^4 = m (w + v k)^2``.
     """
     case = load_case("ac-simple")
-    found = resolution(case)
+    found = resolution(case, expand(case))
     assert found.carries(200.0)
     assert not found.carries(230.0)
     wire, speed = case.wires.contact, case.scenario.speed
@@ -36,6 +39,19 @@ def test_mesh_follows_from_the_band() -> None:
     circular = np.sqrt((wire.tension + wire.bending_stiffness * number**2) / wire.mass) * number
     assert circular - speed * number == pytest.approx(2.0 * np.pi * 200.0, rel=1e-9)
     assert found.longest <= np.pi / number + 1e-9
+
+
+def test_line_is_expanded_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All advice reads the same pieces of the line."""
+    calls = []
+
+    def counted(case: Case) -> Line:
+        calls.append(case.name)
+        return expand(case)
+
+    monkeypatch.setattr("tautwire.model.preflight.expand", counted)
+    preflight(load_case("ac-simple"))
+    assert calls == ["ac-simple"]
 
 
 def test_elements_of_a_bare_string_at_rest() -> None:

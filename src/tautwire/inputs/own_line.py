@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from tautwire.inputs.paths import format_path
+from tautwire.signals.bands import WIDEST
 from tautwire.specs.upgrade import SCHEMA_VERSION
 from tautwire.units import to_unit
 
@@ -58,7 +59,7 @@ class Wish:
     contact_tension: float | None = None
     messenger_tension: float | None = None
     ends: Ends = "mid-point"
-    band: float = 200.0
+    band: float = WIDEST
 
     def running(self) -> float:
         """Return the speed [m/s], chosen where none is known."""

@@ -20,6 +20,9 @@ from tautwire.line.pieces import Run
 from tautwire.specs.line.wire import Wire
 
 ELEMENTS_PER_WAVE = 2.0
+"""Chosen: a pinned beam of one element for half a wave vibrates 11 % too fast, a string 0.7 %, and
+halving the elements moves no standard deviation of the lines in the table of the page on theory
+(section 3) by more than is told there."""
 SHORTEST_CHOSEN = 0.1
 """Shortest element that is chosen for a band [m]: below it point loads bend the wire more than they
 kink it, and close to the wave speed the waves ahead grow short without limit."""

@@ -11,30 +11,36 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tautwire.line.expand import expand
-from tautwire.model.resolution import fewest_nodes, resolution
+from tautwire.line.pieces import Line
+from tautwire.model.resolution import Resolution, fewest_nodes, resolution
 from tautwire.plain import Plain
+from tautwire.signals.bands import WIDEST
+from tautwire.signals.filters import STANDARD_CUTOFF
 from tautwire.specs.case import Case
 from tautwire.specs.settings import NOT_GIVEN, STEPS_PER_PERIOD
 
 Severity = Literal["refused", "warning", "note"]
 
-HEADLINE_CUTOFF = 20.0
-"""Upper end of the band of the headline figures [Hz]."""
-
-WIDEST_BAND = 200.0
-"""Upper end of the widest band for which a standard deviation is reported [Hz]."""
-
 STEPS_TO_FOLLOW = 10.0
-"""Time steps per period below which an oscillation is distorted visibly."""
+"""Time steps per period below which an oscillation is distorted visibly: Newmark's step lengthens
+a period by (2 pi/10)^2/12, 3 %."""
 
 SPANS_AT_ENDS = 1.5
-"""Spans next to an anchored end in which the contact force is disturbed."""
+"""Spans next to an anchored end in which the contact force is disturbed. Chosen: with the
+two spans that the default section leaves at each end nothing is said."""
 
 SPEED_SHARE = 0.7
-"""Share of the wave speed above which waves gather before the pantograph."""
+"""Share of the wave speed above which waves gather before the pantograph: the
+limit of EN 50119 as remembered."""
 
 _MOST_NODES = 200
+"""Most nodes between droppers that the input takes (settings.nodes_between_droppers)."""
+
 _MUCH_MEMORY = 1e9
+"""Size of histories that is told [bytes]: an eighth of the memory of a small machine."""
+
+_STEPS_PER_ELEMENT = 2.0
+"""Steps per element below which the head passes what the mesh draws without seeing it."""
 
 
 @dataclass(frozen=True)
@@ -75,17 +81,19 @@ def preflight(case: Case) -> tuple[Advice, ...]:
     tuple of Advice
         Most severe first; empty when there is nothing to say.
     """
+    line = expand(case)
+    resolved = resolution(case, line)
     found = [
         *_end_of_passage(case),
         *_speed(case),
         *_start_of_section(case),
         *_ends_of_line(case),
-        *_mesh(case),
-        *_step(case),
+        *_mesh(case, line, resolved),
+        *_step(case, resolved),
         *_contact_resonance(case),
-        *_steps_per_element(case),
+        *_steps_per_element(case, resolved.longest),
         *_sampling(case),
-        *_memory(case),
+        *_memory(case, line),
         *_not_given(case),
     ]
     order: tuple[Severity, ...] = ("refused", "warning", "note")
@@ -190,12 +198,12 @@ def _ends_of_line(case: Case) -> Iterator[Advice]:
         )
 
 
-def _mesh(case: Case) -> Iterator[Advice]:
+def _mesh(case: Case, line: Line, found: Resolution) -> Iterator[Advice]:
     """Tell that the wire mesh does not carry the band."""
-    found, band = resolution(case), case.settings.band
+    band = case.settings.band
     if found.mesh >= band * (1.0 - 1e-6):
         return
-    nodes = fewest_nodes(case, band)
+    nodes = fewest_nodes(line, band, case.scenario.speed)
     finer = f", or give at least {nodes}" if nodes <= _MOST_NODES else ""
     cure = (
         f"leave settings.nodes_between_droppers out for a mesh that carries the band{finer}"
@@ -204,7 +212,7 @@ def _mesh(case: Case) -> Iterator[Advice]:
     )
     yield Advice(
         "mesh",
-        "warning" if found.mesh < HEADLINE_CUTOFF else "note",
+        "warning" if found.mesh < STANDARD_CUTOFF else "note",
         f"elements of up to {found.element:.3g} m of the wire {found.run!r} carry waves up to "
         f"{found.mesh:.0f} Hz of the band 0-{band:g} Hz, and a head passes those of the contact "
         f"wire at multiples of {case.scenario.speed / found.longest:.0f} Hz; losses of contact and "
@@ -215,14 +223,14 @@ def _mesh(case: Case) -> Iterator[Advice]:
 
 def _without_shorter_elements(carried: float) -> str:
     """Return the cure where the mesh would need elements that are too short."""
-    if carried >= HEADLINE_CUTOFF:
+    if carried >= STANDARD_CUTOFF:
         return f"give settings.band: {_rounded_down(carried):g} Hz, or settings.longest_element"
     return "lower scenario.speed or raise wires.contact.tension"
 
 
-def _step(case: Case) -> Iterator[Advice]:
+def _step(case: Case, found: Resolution) -> Iterator[Advice]:
     """Tell that the time step does not carry the band."""
-    found, band = resolution(case), case.settings.band
+    band = case.settings.band
     if found.step >= band * (1.0 - 1e-6):
         return
     step = 1e3 * case.settings.step()
@@ -260,12 +268,11 @@ def _contact_resonance(case: Case) -> Iterator[Advice]:
             )
 
 
-def _steps_per_element(case: Case) -> Iterator[Advice]:
+def _steps_per_element(case: Case, element: float) -> Iterator[Advice]:
     """Tell that a pantograph crosses an element of the contact wire in less than two steps."""
-    element = resolution(case).longest
     advance = case.scenario.speed * case.settings.step()
-    if advance > 0.5 * element:
-        longest = 0.5 * element / case.scenario.speed
+    if advance > element / _STEPS_PER_ELEMENT:
+        longest = element / _STEPS_PER_ELEMENT / case.scenario.speed
         yield Advice(
             "time step",
             "note",
@@ -278,19 +285,18 @@ def _steps_per_element(case: Case) -> Iterator[Advice]:
 def _sampling(case: Case) -> Iterator[Advice]:
     """Tell that bands reach the Nyquist frequency of the record."""
     nyquist = 0.5 / case.settings.step()
-    if nyquist <= WIDEST_BAND:
+    if nyquist <= WIDEST:
         yield Advice(
             "time step",
-            "refused" if nyquist <= HEADLINE_CUTOFF else "note",
+            "refused" if nyquist <= STANDARD_CUTOFF else "note",
             f"with {1e3 * case.settings.step():g} ms the record holds nothing from "
             f"{nyquist:.4g} Hz on; bands that reach it have no value",
-            f"settings.time_step below {500.0 / WIDEST_BAND:g} ms for all bands",
+            f"settings.time_step below {500.0 / WIDEST:g} ms for all bands",
         )
 
 
-def _memory(case: Case) -> Iterator[Advice]:
+def _memory(case: Case, line: Line) -> Iterator[Advice]:
     """Tell that the histories of a passage fill the memory of a usual machine."""
-    line = expand(case)
     droppers, supports = len(line.hangers), len(line.contact_supports)
     stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
     steps = case.line.length() / case.scenario.speed / case.settings.step()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from tautwire.line.expand import expand
+from tautwire.line.pieces import Line
 from tautwire.model.band import carried_by, longest_element
 from tautwire.model.mesh import divide, longest_elements
 from tautwire.plain import Plain
@@ -52,9 +53,16 @@ class Resolution:
         return frequency <= self.carried * (1.0 + _ROUNDING)
 
 
-def resolution(case: Case) -> Resolution:
-    """Return the highest frequencies that mesh and time step of a case carry."""
-    line, speed = expand(case), case.scenario.speed
+def resolution(case: Case, line: Line) -> Resolution:
+    """Return the highest frequencies that mesh and time step of a case carry.
+
+    Parameters
+    ----------
+    case
+    line
+        Its pieces.
+    """
+    speed = case.scenario.speed
     longest = longest_elements(line, case.settings, speed)
     mesh, run = min((carried_by(run, longest[run.name], speed), run.name) for run in line.runs)
     touched = max(longest[run.name] for run in line.of_role("contact"))
@@ -62,11 +70,19 @@ def resolution(case: Case) -> Resolution:
     return Resolution(mesh, step, run, longest[run], touched)
 
 
-def fewest_nodes(case: Case, band: float) -> int:
-    """Return the fewest nodes between droppers, evenly, whose elements carry a band [Hz]."""
-    line = expand(case)
+def fewest_nodes(line: Line, band: float, speed: float) -> int:
+    """Return the fewest nodes between droppers, evenly, whose elements carry a band.
+
+    Parameters
+    ----------
+    line
+    band
+        Highest frequency [Hz].
+    speed
+        Of the train [m/s].
+    """
     return max(
-        math.ceil(gap / longest_element(run, band, case.scenario.speed) - _ROUNDING) + 1
+        math.ceil(gap / longest_element(run, band, speed) - _ROUNDING) + 1
         for run in line.runs
         for gap in [_longest_gap(line.points(run.name))]
     )

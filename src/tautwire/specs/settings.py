@@ -13,8 +13,10 @@ from tautwire.specs.step_control import StepControl
 Method = Literal["newmark", "hht"]
 SpanNumber = Annotated[int, Field(ge=1, strict=True)]
 HHT_ALPHA = -0.05
+"""The mildest of the values in use (-0.05 to -0.3): it takes 1.4 % of the energy per period at 10
+steps to a period, 0.2 % at 20."""
 COARSEST_STEP = 1e-3
-"""Longest time step that the program chooses [s]."""
+"""Longest time step that the program chooses [s]: that of the published models of AC simple."""
 STEPS_PER_PERIOD = 5.0
 """Time steps per period of the highest frequency of the band: on lines of public data halving the
 step of 1 ms moves the standard deviation up to 200 Hz by at most 0.6 %, although vibrations of

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, form_of, refuse
+from tautwire.text import LONGEST_NAME
 
 SpanLength = Annotated[float, Quantity("m", ge=1.0, le=500.0, typical="40 to 65 m")]
 End = Literal["anchored", "weighted"]
@@ -57,7 +58,7 @@ class Line(Spec):
         Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="Length of every span, or a list with one length per span.")
-    masts: tuple[Annotated[str, Field(max_length=60)], ...] | None = Field(
+    masts: tuple[Annotated[str, Field(max_length=LONGEST_NAME)], ...] | None = Field(
         default=None, description="Names of the supports from left to right, as people know them."
     )
     chainage: tuple[Annotated[float, Quantity("m", ge=-1e7, le=1e7)], ...] | None = Field(
