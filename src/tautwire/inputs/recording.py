@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tautwire.errors import InputError
@@ -17,6 +17,7 @@ from tautwire.measured.recording import Recording
 from tautwire.tables.columns import RECORDING
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import Sheet
+from tautwire.text import shortened
 
 MAPPING = ".mapping.yaml"
 MOST_BYTES = 4_000_000_000
@@ -49,8 +50,12 @@ class RecordingFile:
     recording: Recording
 
     def mapping_text(self) -> str:
-        """Return the mapping as the text of its file."""
-        return mapping_text([self.mapping], self.path)
+        """Return the mapping, with the units that were decided, as the text of its file."""
+        uses = tuple(
+            replace(one.use, unit=one.use.unit or one.unit.replace("SI", ""))
+            for one in self.channels
+        )
+        return mapping_text([replace(self.mapping, uses=uses)], self.path)
 
 
 def load_recording(
@@ -106,16 +111,12 @@ def open_recording(
     found, said_by = _mapping_of(file, source, Path(mapping) if mapping is not None else None)
     channels = read_channels(source, found)
     notes = [*found.notes, *_unread(source, found)]
-    recording = assemble(
-        str(file), channels, speed=speed, positive=found.positive, notes=notes
-    )
+    recording = assemble(str(file), channels, speed=speed, positive=found.positive, notes=notes)
     target = said_by or file.with_name(file.stem + MAPPING)
     return RecordingFile(file, found, target, said_by is None, tuple(channels), recording)
 
 
-def _mapping_of(
-    file: Path, source: Source, given: Path | None
-) -> tuple[SheetMapping, Path | None]:
+def _mapping_of(file: Path, source: Source, given: Path | None) -> tuple[SheetMapping, Path | None]:
     """Return the mapping: as given, of the file, of its neighbours, or from the headings."""
     own = file.with_name(file.stem + MAPPING)
     chosen = given or (own if own.is_file() else _neighbour(file, source))
@@ -123,11 +124,11 @@ def _mapping_of(
         return _read_mapping(chosen, source.sheets), chosen
     proposals = [found for sheet in source.sheets if (found := propose(sheet, (RECORDING,)))]
     if not proposals:
-        heads = [str(cell) for row in source.sheets[0].rows[:1] for cell in row if cell is not None]
+        heads = ", ".join(str(cell) for cell in source.sheets[0].rows[0] if cell is not None)
         raise InputError(
             f"{named(file)}: is no recording that can be recognised; it needs a row of headings "
             "with a time or position and a force, acceleration, height or stagger, as in "
-            f"'time [s]', 'position [m]', 'contact force [N]'; it begins with: {', '.join(heads)[:200]}"
+            f"'time [s]', 'position [m]', 'contact force [N]'; it begins with: {shortened(heads)}"
         )
     return max(proposals, key=lambda one: len(one.uses)), None
 

@@ -151,15 +151,15 @@ def _time_of_day(label: str, rows: _Rows) -> None:
     back = np.flatnonzero(steps < 0.0)
     if len(back):
         raise InputError(
-            f"{label}: the time goes back by {-steps[back[0]]:.4g} s after row {back[0] + 1} of the "
-            "values; give one passage, its rows in the order of time"
+            f"{label}: the time goes back by {-steps[back[0]]:.4g} s after row {back[0] + 1} of "
+            "the values; give one passage, its rows in the order of time"
         )
     repeated = np.concatenate([[False], steps == 0.0])
     if repeated.mean() > QUANTISED:
         rows.values["time"] = _spread_evenly(time, repeated)
         rows.notes.append(
-            f"the clock is coarse: {100 * repeated.mean():.0f} % of the rows repeat the time of the "
-            "row before; they are spread evenly between its steps"
+            f"the clock is coarse: {100 * repeated.mean():.0f} % of the rows repeat the time of "
+            "the row before; they are spread evenly between its steps"
         )
     elif repeated.any():
         rows.notes.append(f"{repeated.sum()} rows repeat the time of the row before; left out")
@@ -212,14 +212,14 @@ def _steady(rows: _Rows, way: Array, source: str) -> Array:
     repeated = np.concatenate([[False], np.diff(way) == 0.0])
     if repeated.mean() > QUANTISED and not _stands(rows, repeated):
         rows.notes.append(
-            f"the {source} is coarse: {100 * repeated.mean():.0f} % of the rows repeat the position "
-            "of the row before; they are spread evenly between its steps"
+            f"the {source} is coarse: {100 * repeated.mean():.0f} % of the rows repeat the "
+            "position of the row before; they are spread evenly between its steps"
         )
         return _spread_evenly(way, repeated)
     if repeated.any() and "time" not in rows.values:
         rows.notes.append(
-            f"{repeated.sum()} rows repeat the position of the row before and have no time of their "
-            "own; left out"
+            f"{repeated.sum()} rows repeat the position of the row before and have no time of "
+            "their own; left out"
         )
         rows.keep(~repeated)
         return way[~repeated]
@@ -341,9 +341,10 @@ def _describe(rows: _Rows, *, rising: bool) -> None:
     if spacing > COARSE and np.median(np.diff(time)) > 1.01 * SLOW:
         speed = float((way[-1] - way[0]) / (time[-1] - time[0]))
         rows.notes.append(
-            f"a row every {spacing:.3g} m: if they are means over that way, they hold at least 90 % "
-            f"of the force up to {0.25 * speed / spacing:.3g} Hz only (at {3.6 * speed:.0f} km/h), "
-            "and the standard deviation is too small; what lies above is not judged"
+            f"a row every {spacing:.3g} m: if they are means over that way, they hold at least "
+            f"90 % of the force up to {0.25 * speed / spacing:.3g} Hz only (at "
+            f"{3.6 * speed:.0f} km/h), and the standard deviation is too small; what lies above is "
+            "not judged"
         )
 
 

@@ -103,9 +103,7 @@ def _channel(use: Use, column: Column, *, decimal_comma: bool) -> Channel:
     return Channel(use, unit, numbers, gaps=_gaps(numbers, column), note=note)
 
 
-def _from_texts(
-    use: Use, texts: NDArray[np.bytes_], *, decimal_comma: bool
-) -> tuple[Column, str]:
+def _from_texts(use: Use, texts: NDArray[np.bytes_], *, decimal_comma: bool) -> tuple[Column, str]:
     """Return texts as numbers: kilometres + metres, clock times, degrees, cells with units."""
     if use.field.unit == DEGREES:
         return _degrees(texts), "deg"
@@ -132,9 +130,7 @@ def _cells(use: Use, texts: NDArray[np.bytes_], *, decimal_comma: bool) -> Colum
     counts = np.bincount(places, minlength=len(found))
     for index, text in enumerate(found):
         try:
-            value = number_of(
-                text_of(text), use.unit, use.field.unit, decimal_comma=decimal_comma
-            )
+            value = number_of(text_of(text), use.unit, use.field.unit, decimal_comma=decimal_comma)
         except CellError:
             value = None
         if value is None:

@@ -235,7 +235,7 @@ def _first_of_double(mapping: SheetMapping) -> SheetMapping:
 
 def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> SheetMapping:
     kind = entry.get("table") if isinstance(entry, MappingType) else None
-    if kind not in kinds:
+    if not isinstance(kind, str) or kind not in kinds:
         raise InputError(f"{label}: table: got {kind!r}; choose {', '.join(kinds)}")
     row_number, side = entry.get("heading_row", 1), entry.get("stagger_positive", "left")
     if row_number not in sheet.numbers or side not in ("left", "right"):

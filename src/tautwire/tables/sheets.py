@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import zipfile
 from collections import Counter
 from collections.abc import Iterable
@@ -20,6 +21,7 @@ MOST_BYTES = 20_000_000
 """Largest file that is read; also the most that a workbook may unpack to, ten times over."""
 MOST_ROWS, MOST_COLUMNS = 20_000, 200
 """Rows and columns of a workbook that are read: a lone cell in a far corner costs nothing."""
+_QUOTED = re.compile(r'"[^"]*"')
 _ENCODINGS = ("utf-8-sig", "cp1252")
 """Tried in this order; every byte is a letter of the second."""
 
@@ -118,7 +120,7 @@ def _separator(text: str) -> str:
     stand equally often too, so that commas come last but for blanks.
     """
     lines = [line for line in text.splitlines()[:200] if line.strip() and line[0] != "#"]
-    lines = lines[len(lines) // 2 :]
+    lines = [_QUOTED.sub("", line) for line in lines[len(lines) // 2 :]]
     for separator in ";\t|,":
         counts = Counter(line.count(separator) for line in lines)
         often, times = max(counts.items(), key=lambda item: (item[1], item[0]), default=(0, 0))

@@ -68,8 +68,8 @@ class ArraySource:
 def _sample(channels: list[Channel]) -> list[list[Cell]]:
     heads: list[Cell] = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in channels]
     rows: list[list[Cell]] = [heads]
-    for index in range(min(_SAMPLE_ROWS, len(channels[0].values))):
-        rows.append([_cell(channel.values[index]) for channel in channels])
+    count = min(_SAMPLE_ROWS, len(channels[0].values))
+    rows += [[_cell(channel.values[index]) for channel in channels] for index in range(count)]
     return rows
 
 
