@@ -62,8 +62,7 @@ _PREFIXED = {
     "Pa": Unit(1.0, Dimension(1, -1, -2)),
     "Hz": Unit(1.0, Dimension(time=-1)),
 }
-_POUND = 0.45359237
-_GRAVITY = 9.80665
+_POUND, _GRAVITY = 0.45359237, 9.80665
 """Avoirdupois pound [kg] and standard gravity [m/s^2], exact: NIST SP 811, appendix B."""
 _PLAIN = {
     "in": Unit(0.0254, Dimension(length=1)),
@@ -128,7 +127,9 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", re.D
 _TOKEN = re.compile(r"(\s+)|([A-Za-zµμ°]+)|([0-9]+)|(\*\*|[\^*·⋅/()-])|([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _MAX_LENGTH = 100
+"""Characters of a unit; the longest that means anything has about twenty."""
 _MAX_EXPONENT = 9
+"""Exponents have one digit; 4 is the highest in mechanics of wires."""
 
 
 def parse_quantity(value: object, unit: str) -> float:

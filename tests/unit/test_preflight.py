@@ -7,7 +7,11 @@ from typing import Any
 import pytest
 
 from tautwire.inputs.load import load_case
-from tautwire.model.preflight import Advice, element_lengths, preflight
+from tautwire.line.expand import expand
+from tautwire.line.pieces import Line
+from tautwire.model.mesh import element_lengths
+from tautwire.model.preflight import Advice, preflight
+from tautwire.specs.case import Case
 
 
 def _advice(case: str = "ac-simple", **changes: Any) -> dict[tuple[str, str], Advice]:
@@ -18,7 +22,21 @@ def _advice(case: str = "ac-simple", **changes: Any) -> dict[tuple[str, str], Ad
 
 def test_element_lengths() -> None:
     """AC simple with NAD 9 has elements of 0.5625 m and 0.71875 m (Song et al. 2021, III.A)."""
-    assert element_lengths(load_case("ac-simple")) == (0.5625, 0.71875)
+    case = load_case("ac-simple")
+    assert element_lengths(expand(case), case.settings) == (0.5625, 0.71875)
+
+
+def test_line_is_expanded_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All advice reads the same pieces of the line."""
+    calls = []
+
+    def counted(case: Case) -> Line:
+        calls.append(case.name)
+        return expand(case)
+
+    monkeypatch.setattr("tautwire.model.preflight.expand", counted)
+    preflight(load_case("ac-simple"))
+    assert calls == ["ac-simple"]
 
 
 def test_element_passing_in_wide_bands() -> None:

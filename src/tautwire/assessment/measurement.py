@@ -24,6 +24,7 @@ from tautwire.signals.filters import Lowpass, SharpLowpass, evenly_spaced, is_un
 Array = NDArray[np.float64]
 
 _BANDS = ((0.0, 5.0), (5.0, 20.0))
+"""Bands that are compared [Hz], those of EN 50318:2018 as remembered."""
 _UNITS = {"uplift": "m", "contact_height_range": "m"}
 _LARGE_STEP = 3.0
 """A step longer than so many median steps is reported as a hole in the measurement."""

@@ -13,8 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from tautwire.catalogue.numbers import Known, Number
 from tautwire.catalogue.rules import CONTACT_WIRE, DROPPER, ROPE, Rule, complete
+from tautwire.text import LONGEST_NAME
 
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f\[\]{}]+$")]
+Name = Annotated[
+    str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[^\x00-\x1f\x7f\[\]{}]+$")
+]
 Mass = Annotated[Number, Known("kg")]
 Length = Annotated[Number, Known("m")]
 MassPerLength = Annotated[Number, Known("kg/m")]

@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from tautwire.inputs.paths import format_path
+from tautwire.signals.bands import WIDEST
 from tautwire.specs.upgrade import SCHEMA_VERSION
 from tautwire.units import to_unit
 
@@ -59,7 +60,7 @@ class Wish:
     contact_tension: float | None = None
     messenger_tension: float | None = None
     ends: Ends = "mid-point"
-    band: float = 200.0
+    band: float = WIDEST
 
     def running(self) -> float:
         """Return the speed [m/s], chosen where none is known."""
@@ -106,6 +107,8 @@ FIRST_DROPPER = 4.5
 SPACING = 7.0
 """Longest distance of droppers aimed at [m]; 5 to 7 m in Spain, up to 11 m in Norway."""
 FEWEST_NODES, MOST_NODES = 9, 60
+"""Nodes between droppers: of the paper's coarsest mesh, and a choice that a small
+machine still computes."""
 
 
 def template(wish: Wish) -> tuple[Choice, ...]:

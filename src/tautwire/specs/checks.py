@@ -20,7 +20,7 @@ from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 
 MIN_SPACING = 0.05
-"""Smallest distance [m] between neighbouring attachment points."""
+"""Smallest distance [m] between neighbouring attachment points: two clamps side by side."""
 
 
 def check_support_lists(line: Line, supports: Supports) -> list[Problem]:

@@ -13,6 +13,8 @@ from tautwire.specs.step_control import StepControl
 Method = Literal["newmark", "hht"]
 SpanNumber = Annotated[int, Field(ge=1, strict=True)]
 HHT_ALPHA = -0.05
+"""The mildest of the values in use (-0.05 to -0.3): it takes 1.4 % of the energy per period at 10
+steps to a period, 0.2 % at 20."""
 FEWEST_GRADED = 6
 """Nodes between attachment points that a graded mesh needs: both, four near them, none between."""
 USUAL_CONTACT_STIFFNESS = 50e3

@@ -13,14 +13,13 @@ import numpy as np
 
 from tautwire.inputs.merge import EXCLUSIVE
 from tautwire.inputs.paths import PathError, Target, find_target, parse_path
-from tautwire.specs.study import Range, Seeds, Spread, Study, Variants
+from tautwire.specs.study import MOST_VALUES, Range, Seeds, Spread, Study, Variants
 from tautwire.studies import columns
 from tautwire.text import shown
 from tautwire.units import UnitError, parse_quantity
 
 Coordinate = float | int | str
 SAMPLE, CASE = "sample", "case"
-MOST_CASES = 100_000
 
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _RESERVED = frozenset(columns.NAMES) | {CASE, SAMPLE, "status", "reason", "key", "backend"}
@@ -150,8 +149,8 @@ def _range(path: str, axis: Range) -> list[Any]:
         if step == 0.0 or (last - first) / step < -1e-9:
             raise AxisError("the step does not lead from 'from' to 'to'")
         count = math.floor((last - first) / step + 1e-9) + 1
-        if count > MOST_CASES:
-            raise AxisError(f"has {count} values; at most {MOST_CASES} cases are computed")
+        if count > MOST_VALUES:
+            raise AxisError(f"has {count} values; at most {MOST_VALUES} cases are computed")
         values = [first + step * number for number in range(count)]
     return [_written(value, unit, is_whole=is_whole) for value in values]
 
@@ -298,8 +297,8 @@ def _size_problems(study: Study, written: Sequence[AxisValues], drawn: Sequence[
         return []
     total = math.prod(size for path, size in sizes.items() if path not in drawn)
     total *= study.samples or 1
-    if total > MOST_CASES:
-        return [f"axes: they give {total} cases; at most {MOST_CASES} are computed"]
+    if total > MOST_VALUES:
+        return [f"axes: they give {total} cases; at most {MOST_VALUES} are computed"]
     return []
 
 

@@ -24,9 +24,15 @@ from tautwire.status import Status
 Array = NDArray[Any]
 
 RESIDUAL = 1e-4
+"""Largest force out of balance [N]: a ten-millionth of the weight of a span; Newton's last step
+leaves some 1e-8 N, where the rounding of EA times strain begins."""
 _RIGID_DROPPER = 1e8
+"""Stiffness of droppers that hardly stretch [N/m]: 100 N stretch one by a micrometre."""
 _SMALLEST_PULL = 10.0
+"""Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
+over 1.22 m)."""
 _ACTIVE_SET_PASSES = 20
+"""Most passes in search of the slack droppers; each changes at least one, few are slack at rest."""
 
 
 def find_shape(model: Model) -> Equilibrium:

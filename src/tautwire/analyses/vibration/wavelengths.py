@@ -21,8 +21,12 @@ Array = NDArray[np.float64]
 FRACTIONS = (1, 2, 4)
 """Parts of the dropper and support intervals in which the paper finds the energy."""
 
-_NAMED_WITHIN = 0.02
+NAMED_WITHIN = 0.02
+"""Relative distance within which a wavelength is called by a length of the line: the dropper and
+support intervals of real lines differ by more."""
 _BACKGROUND = 0.15
+"""Relative distance up to which the spectrum is background. Chosen: neighbouring multiples of the
+span lie 1/n apart, so that from n = 7 on two or more are within."""
 
 
 @dataclass(frozen=True)
@@ -214,7 +218,7 @@ def name_peaks(
         near = {
             name: abs(place - x)
             for name, place in places.items()
-            if abs(place - x) <= max(lines * spectrum.resolution, _NAMED_WITHIN * place)
+            if abs(place - x) <= max(lines * spectrum.resolution, NAMED_WITHIN * place)
         }
         name = min(near, key=lambda item: near[item]) if near else ""
         peaks.append(Peak(x, float(value[index]), name))

@@ -26,6 +26,7 @@ from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 MOST_SHAPES = 6
+"""Modes whose shapes are drawn: a page of a screen or two; the table has all."""
 
 
 def write_modes_report(

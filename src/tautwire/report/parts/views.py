@@ -13,11 +13,12 @@ from tautwire.errors import InputError
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
+from tautwire.signals.bands import WIDEST
 from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass
 
 Array = NDArray[np.float64]
 
-WIDE_CUTOFF = 200.0
+WIDE_CUTOFF = WIDEST
 """Cut-off of the second force curve [Hz]."""
 
 

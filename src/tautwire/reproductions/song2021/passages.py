@@ -87,7 +87,7 @@ def series(line: str) -> tuple[Reading, ...]:
 SPEEDS = (200, 225, 250, 275, 320)
 """Speeds of Fig. 15 [km/h]."""
 
-TOP_SPEED = 320
+TOP_SPEED = SPEEDS[-1]
 
 OTHER_MEAN = 169.0
 """Mean force at all speeds, the other reading of what the paper leaves open [N]."""

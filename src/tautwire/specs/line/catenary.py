@@ -18,6 +18,7 @@ from tautwire.specs.base import (
     form_of,
     refuse,
 )
+from tautwire.text import LONGEST_NAME
 
 Travel = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="0.5 m to 2 m")]
 SpanLength = Annotated[float, Quantity("m", ge=1.0, le=500.0, typical="40 to 65 m")]
@@ -136,7 +137,7 @@ class Line(Spec):
         Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="Length of every span, or a list with one length per span.")
-    masts: tuple[Annotated[str, Field(max_length=60)], ...] | None = Field(
+    masts: tuple[Annotated[str, Field(max_length=LONGEST_NAME)], ...] | None = Field(
         default=None, description="Names of the supports from left to right, as people know them."
     )
     chainage: tuple[Annotated[float, Quantity("m", ge=-1e7, le=1e7)], ...] | None = Field(
