@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 _BISECTIONS = 60
+"""Halvings of an angle after which it is exact to rounding."""
 
 
 def chord_angle(worn: float) -> float:

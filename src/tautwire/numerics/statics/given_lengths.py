@@ -28,6 +28,9 @@ _LARGEST_STEP = np.repeat([0.5, 0.1], 3)
 """Of a coordinate [m] and of a slope; undamped Newton passes through absurd states."""
 
 _INCREMENT = 1e-9
+"""Increment accepted as converged, in units of the largest step: a condition that changes nothing
+gives the design back to 1e-9 m."""
+
 _SMALLEST_SHARE = 1.0 / 64.0
 """Smallest step of the continuation, as a share of the whole change."""
 
