@@ -17,9 +17,11 @@ from tautwire.tables.values import CellError, factor_of, number_of
 KM_M = "km+m"
 _CLOCK = re.compile(rb"^(?:.*[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:Z|[+-]\d{2}:?\d{2})?$")
 _DAY = 86_400.0
+"""Seconds of a day: a clock begins again at midnight."""
 _FEWEST_NUMBERS = 0.5
 """Share of cells with a number below which a column is no channel."""
 _WORDS_NAMED = 5
+"""Words in cells without a number that are named; recorders use one or two."""
 
 
 @dataclass(frozen=True, eq=False)

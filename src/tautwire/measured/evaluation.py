@@ -34,7 +34,9 @@ from tautwire.signals.filters import Lowpass, SharpLowpass
 from tautwire.signals.spectra import Spectrum, amplitude_spectrum
 
 BANDS = ((0.0, 5.0), (5.0, 20.0))
+"""Bands of the standard deviation [Hz]: spans and droppers, as in the world benchmark."""
 PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
+"""Shares of the way [%] below a force: quartiles, and tails that some hundred metres still fill."""
 SPACING = 0.25
 """Even distance of the processed force [m], as recorders usually write it."""
 HIGHEST_LINE = 50.0

@@ -14,6 +14,7 @@ from tautwire.measured.files.source import NAME, Column, columns_of_texts
 from tautwire.tables.sheets import Cell, Sheet
 
 _SAMPLE_ROWS = 50
+"""Rows from which the kind of a column is told."""
 _VALUES = ("data", "values", "value", "y")
 _UNITS = ("unit", "units", "unit_string")
 MOST_COLUMNS = 64

@@ -15,6 +15,7 @@ from tautwire.measured.files.source import HEAD_ROWS, NAME, Column, columns_of_t
 from tautwire.tables.sheets import Sheet, decoded, text_sheet
 
 _HEAD_BYTES = 400_000
+"""Bytes in which the first rows are looked for: 200 rows of 2 kB."""
 _BLOCK_BYTES = 16_000_000
 """Bytes of whole lines that are parsed at a time."""
 _COMMENT = re.compile(rb"(?m)^#(?!N/A|DIV|VAL|REF|NUM|NAM|NUL).*(?:\n|\Z)")
