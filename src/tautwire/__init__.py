@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from tautwire.analyses.force.statistics import contact_statistics
     from tautwire.analyses.road.dynamics import iterate, simulate
     from tautwire.analyses.road.elasticity import elasticity
+    from tautwire.analyses.road.operate import operate
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.vibration.modes import modes
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
+    from tautwire.inputs.recording import load_recording
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
@@ -72,9 +74,11 @@ __all__ = [
     "iterate",
     "load_case",
     "load_equilibrium",
+    "load_recording",
     "load_run",
     "load_study",
     "modes",
+    "operate",
     "run",
     "run_study",
     "save_equilibrium",
@@ -108,9 +112,11 @@ _HOMES = {
     "iterate": "tautwire.analyses.road.dynamics",
     "load_case": "tautwire.inputs.load",
     "load_equilibrium": "tautwire.results.storage",
+    "load_recording": "tautwire.inputs.recording",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
     "modes": "tautwire.analyses.vibration.modes",
+    "operate": "tautwire.analyses.road.operate",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -67,7 +67,8 @@ def test_benchmark_by_name_is_the_benchmark(tmp_path: Path) -> None:
     case, original = load_case(write(tmp_path, text)), load_case("ac-simple")
     for part in ("contact", "messenger"):
         ours, theirs = (getattr(c.wires, part).to_dict() for c in (case, original))
-        assert ours == pytest.approx(theirs)
+        stated = {name: value for name, value in theirs.items() if value is not None}
+        assert {name: ours[name] for name in stated} == pytest.approx(stated)
     assert case.droppers == original.droppers
     assert case.pantographs == original.pantographs
 

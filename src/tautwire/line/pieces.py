@@ -13,11 +13,16 @@ from typing import Literal
 
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
 from tautwire.specs.line.wire import Wire
 
 Role = Literal["contact", "messenger", "auxiliary", "stitch"]
 Termination = Literal["anchored", "weighted", "clamped"]
+
+
+BESIDE = 0.05
+"""A mark nearer to an attachment than this is at the attachment [m]: droppers are no closer."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,8 @@ class End:
         ``"anchored"`` (held), ``"weighted"`` (constant tension, free along the track) or
         ``"clamped"`` (to the run ``host``).
     host : str
+    device : Device or None
+        What keeps the tension of a weighted end; None where it is constant.
     """
 
     s: float
@@ -46,6 +53,7 @@ class End:
     z: float
     kind: Termination
     host: str = ""
+    device: Device | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,10 @@ class Run:
     role : str
     start, end : End
         Left and right.
+    wire_name : str
+        Of the wire in the case.
+    tension_length : str
+        Name; empty where there is only one.
     """
 
     name: str
@@ -68,6 +80,8 @@ class Run:
     role: Role
     start: End
     end: End
+    wire_name: str
+    tension_length: str
 
 
 @dataclass(frozen=True)
@@ -108,6 +122,7 @@ class Hanger:
         Per unstrained length.
     clamps : (float, float) kg
         Upper and lower.
+    diameter, thermal_expansion : float m, 1/K or None
     """
 
     label: HangerLabel
@@ -117,6 +132,8 @@ class Hanger:
     stiffness: DropperStiffness
     mass: float
     clamps: tuple[float, float]
+    diameter: float | None
+    thermal_expansion: float | None
 
 
 @dataclass(frozen=True)
@@ -195,6 +212,8 @@ class Line:
     ----------
     masts : tuple of float m
     runs, hangers, joints, registrations, suspensions : tuples of pieces
+    marks : tuple of At
+        Other places at which a wire needs a node.
     """
 
     masts: tuple[float, ...]
@@ -203,6 +222,7 @@ class Line:
     registrations: tuple[Registration, ...]
     suspensions: tuple[Suspension, ...]
     joints: tuple[Joint, ...] = ()
+    marks: tuple[At, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Run]:
@@ -238,6 +258,9 @@ class Line:
         points: dict[str, list[float]] = {run.name: [run.start.s, run.end.s] for run in self.runs}
         for at in _places(self):
             points[at.run].append(at.s)
+        for at in self.marks:
+            if min(abs(at.s - s) for s in points[at.run]) > BESIDE:
+                points[at.run].append(at.s)
         return {name: sorted(set(values)) for name, values in points.items()}
 
     def points(self, run: str) -> list[float]:

@@ -186,7 +186,7 @@ def labels_of(runs: Sequence[Run], given: Sequence[str] | None = None) -> list[s
 def _distinctions(run: Run) -> dict[str, str]:
     """Return what can tell runs of the same line apart, the most telling first."""
     case, line = run.case, run.case.line
-    ends = (line.ends.left, line.ends.right)
+    ends = (str(line.ends.left), str(line.ends.right))
     target, count = case.scenario.target_mean_force(), len(case.pantographs)
     prescribed = [f"{record.uplift_force:g} N uplift" for record in run.pantographs]
     return {
