@@ -191,7 +191,7 @@ def test_copy_does_not_overwrite(tmp_path: Path) -> None:
             "the library holds nothing named 'ac-simpel'; it holds: ac-simple",
         ),
         ("ac-simple", "my.txt", "the copy is YAML; choose a name that ends in .yaml"),
-        ("ac-simple", "no/folder/my.yaml", "cannot be written (No such file or directory)"),
+        ("ac-simple", "no/folder/my.yaml", "no/folder does not exist; create it"),
         ("ac-simple", "folder.yaml", "exists already"),
     ],
 )

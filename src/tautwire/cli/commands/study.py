@@ -21,11 +21,11 @@ from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
 from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
 from tautwire.report.parts.words import number
-from tautwire.results.files import write_text
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import WHOLE, Plan, plan_study

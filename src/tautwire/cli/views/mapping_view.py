@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tautwire.catalogue.entries import write_whole
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
+from tautwire.files import write_text
 from tautwire.inputs.workbook import Workbook, case_of, is_workbook, open_workbook
 
 
@@ -33,7 +33,7 @@ def announce_workbook(answer: Answer, reference: str) -> None:
 
 def _keep(answer: Answer, workbook: Workbook) -> None:
     if workbook.is_proposed:
-        write_whole(workbook.mapping_file, workbook.mapping_text())
+        write_text(workbook.mapping_file, workbook.mapping_text())
         answer.say(f"mapping written: {workbook.mapping_file}; change it if a column is misread")
     else:
         answer.say(f"columns read as {workbook.mapping_file} says")

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.files import write_text
 from tautwire.report.figures.study_figures import readable_axis, usual_figures
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import (
@@ -25,7 +26,6 @@ from tautwire.report.parts.blocks import (
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import counted, listing, number
-from tautwire.results.files import write_text
 from tautwire.signals.filters import SharpLowpass
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import StudyTable
