@@ -271,7 +271,7 @@ def passage(
     settings = case.settings
     return stepper(
         system,
-        settings.time_step,
+        settings.step(),
         integrator=integrator,
         pantographs=plan_passage(model, shape, case.uplift_forces()).pantographs,
         observed=6 * model.mesh.nodes(at for _, at in model.line.contact_supports) + 2,

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals, span_lengths
 from tautwire.line.pieces import Line
-from tautwire.model.mesh import element_lengths
 from tautwire.model.preflight import SPEED_SHARE
+from tautwire.model.resolution import resolution
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 
@@ -169,10 +169,10 @@ def _passing_rows(case: Case, line: Line) -> list[WaveQuantity]:
     rows = []
     for name, length in _passing_lengths(case, line).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    element, _ = element_lengths(line, case.settings)
+    element = resolution(case, line).longest
     rows.append(
         WaveQuantity(
-            "passing of the shortest element (numerical)",
+            "passing of the longest element of the contact wire (numerical)",
             speed / element,
             "Hz",
             f"v/{element:g} m",

@@ -27,7 +27,7 @@ Force = Annotated[Number, Known("N")]
 Stiffness = Annotated[Number, Known("N/m", zero_allowed=True)]
 DampingRate = Annotated[Number, Known("N s/m", zero_allowed=True)]
 Bending = Annotated[Number, Known("N m^2", zero_allowed=True)]
-Expansion = Annotated[Number, Known("")]
+Expansion = Annotated[Number, Known("1/K")]
 
 Filling = dict[str, Any]
 """Numbers by the key of a case that takes them; mappings and lists of them where it nests."""
@@ -59,7 +59,7 @@ class Part(BaseModel):
 
 
 class _Strand(Part):
-    """What every tensioned wire has; ``thermal_expansion`` in 1/K."""
+    """What every tensioned wire has."""
 
     section: Section
     diameter: Length | None = None

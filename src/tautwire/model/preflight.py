@@ -11,18 +11,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tautwire.line.expand import expand
-from tautwire.line.measures import attachment_intervals
 from tautwire.line.pieces import Line
-from tautwire.model.mesh import element_lengths
+from tautwire.model.resolution import Resolution, fewest_nodes, resolution
 from tautwire.plain import Plain
 from tautwire.signals.bands import WIDEST
 from tautwire.signals.filters import STANDARD_CUTOFF
 from tautwire.specs.case import Case
-from tautwire.specs.settings import NOT_GIVEN
+from tautwire.specs.settings import NOT_GIVEN, STEPS_PER_PERIOD
 
 Severity = Literal["refused", "warning", "note"]
 
-STEPS_PER_PERIOD = 10.0
+STEPS_TO_FOLLOW = 10.0
 """Time steps per period below which an oscillation is distorted visibly: Newmark's step lengthens
 a period by (2 pi/10)^2/12, 3 %."""
 
@@ -83,15 +82,16 @@ def preflight(case: Case) -> tuple[Advice, ...]:
         Most severe first; empty when there is nothing to say.
     """
     line = expand(case)
-    shortest, longest = element_lengths(line, case.settings)
+    resolved = resolution(case, line)
     found = [
         *_end_of_passage(case),
         *_speed(case),
         *_start_of_section(case),
         *_ends_of_line(case),
-        *_element_passing(case, line, longest),
+        *_mesh(case, line, resolved),
+        *_step(case, resolved),
         *_contact_resonance(case),
-        *_steps_per_element(case, shortest),
+        *_steps_per_element(case, resolved.longest),
         *_sampling(case),
         *_memory(case, line),
         *_not_given(case),
@@ -198,40 +198,55 @@ def _ends_of_line(case: Case) -> Iterator[Advice]:
         )
 
 
-def _element_passing(case: Case, line: Line, longest: float) -> Iterator[Advice]:
-    """Tell that the passing of elements, n v / L_e, falls into a band that is reported."""
-    frequency = case.scenario.speed / longest
-    if frequency > WIDEST:
+def _mesh(case: Case, line: Line, found: Resolution) -> Iterator[Advice]:
+    """Tell that the wire mesh does not carry the band."""
+    band = case.settings.band
+    if found.mesh >= band * (1.0 - 1e-6):
         return
-    in_headline = frequency <= STANDARD_CUTOFF
-    needed = {band: _nodes_for(case, line, band) for band in (STANDARD_CUTOFF, WIDEST)}
-    wanted = needed[STANDARD_CUTOFF if in_headline else WIDEST]
+    nodes = fewest_nodes(line, band, case.scenario.speed)
+    finer = f", or give at least {nodes}" if nodes <= _MOST_NODES else ""
     cure = (
-        f"settings.nodes_between_droppers: {wanted} moves it out of that band"
-        if wanted <= _MOST_NODES
-        else "shorten the intervals between droppers, or do not use the bands above it"
+        f"leave settings.nodes_between_droppers out for a mesh that carries the band{finer}"
+        if case.settings.nodes_between_droppers is not None
+        else f"shorter elements are not chosen; {_without_shorter_elements(found.mesh)}"
     )
-    if in_headline and needed[WIDEST] <= _MOST_NODES:
-        cure += f", {needed[WIDEST]} out of 0-{WIDEST:g} Hz"
-    band = STANDARD_CUTOFF if in_headline else WIDEST
     yield Advice(
         "mesh",
-        "warning" if in_headline else "note",
-        f"elements of up to {longest:.3g} m are passed at multiples of {frequency:.0f} Hz, inside "
-        f"the band 0-{band:g} Hz; lines there are numerical",
+        "warning" if found.mesh < STANDARD_CUTOFF else "note",
+        f"elements of up to {found.element:.3g} m of the wire {found.run!r} carry waves up to "
+        f"{found.mesh:.0f} Hz of the band 0-{band:g} Hz, and a head passes those of the contact "
+        f"wire at multiples of {case.scenario.speed / found.longest:.0f} Hz; losses of contact and "
+        f"figures above {found.mesh:.0f} Hz are not to be relied on",
         cure,
     )
 
 
-def _nodes_for(case: Case, line: Line, band: float) -> int:
-    """Return the fewest nodes between droppers that keep element passing out of a band."""
-    _, interval = attachment_intervals(line)
-    return math.floor(band * interval / case.scenario.speed) + 2
+def _without_shorter_elements(carried: float) -> str:
+    """Return the cure where the mesh would need elements that are too short."""
+    if carried >= STANDARD_CUTOFF:
+        return f"give settings.band: {_rounded_down(carried):g} Hz, or settings.longest_element"
+    return "lower scenario.speed or raise wires.contact.tension"
+
+
+def _step(case: Case, found: Resolution) -> Iterator[Advice]:
+    """Tell that the time step does not carry the band."""
+    band = case.settings.band
+    if found.step >= band * (1.0 - 1e-6):
+        return
+    step = 1e3 * case.settings.step()
+    yield Advice(
+        "time step",
+        "note",
+        f"steps of {step:g} ms carry {found.step:.4g} Hz of the band 0-{band:g} Hz "
+        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are not "
+        "to be relied on",
+        f"leave settings.time_step out, or give {1e3 / (STEPS_PER_PERIOD * band):.3g} ms",
+    )
 
 
 def _contact_resonance(case: Case) -> Iterator[Advice]:
     """Tell that the time step cannot follow a head on its contact spring."""
-    step = case.settings.time_step
+    step = case.settings.step()
     names: dict[float, list[str]] = {}
     for pantograph in case.pantographs:
         head = pantograph.stages[0]
@@ -240,42 +255,41 @@ def _contact_resonance(case: Case) -> Iterator[Advice]:
         names.setdefault(frequency, []).append(repr(pantograph.name))
     for frequency, heads in names.items():
         steps = 1.0 / (frequency * step)
-        if steps < STEPS_PER_PERIOD:
-            longest = 1.0 / (frequency * STEPS_PER_PERIOD)
+        if steps < STEPS_TO_FOLLOW:
+            longest = 1.0 / (frequency * STEPS_TO_FOLLOW)
             yield Advice(
                 "time step",
                 "warning",
                 f"on the contact spring the head of pantograph {' and '.join(heads)} oscillates at "
                 f"{frequency:.0f} Hz, {steps:.1f} steps of {1e3 * step:g} ms per period; "
-                f"{STEPS_PER_PERIOD:g} are needed to follow it",
+                f"{STEPS_TO_FOLLOW:g} are needed to follow it",
                 f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or a lower "
                 "settings.contact_stiffness",
             )
 
 
-def _steps_per_element(case: Case, shortest: float) -> Iterator[Advice]:
-    """Tell that a pantograph crosses an element in less than two steps."""
-    advance = case.scenario.speed * case.settings.time_step
-    if advance > shortest / _STEPS_PER_ELEMENT:
-        longest = shortest / _STEPS_PER_ELEMENT / case.scenario.speed
+def _steps_per_element(case: Case, element: float) -> Iterator[Advice]:
+    """Tell that a pantograph crosses an element of the contact wire in less than two steps."""
+    advance = case.scenario.speed * case.settings.step()
+    if advance > element / _STEPS_PER_ELEMENT:
+        longest = element / _STEPS_PER_ELEMENT / case.scenario.speed
         yield Advice(
             "time step",
             "note",
-            f"a pantograph advances {advance:.3g} m per step, more than half of the shortest "
-            f"element ({shortest:.3g} m)",
-            f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or fewer "
-            "settings.nodes_between_droppers",
+            f"a pantograph advances {advance:.3g} m per step, more than half of an element of "
+            f"the contact wire ({element:.3g} m)",
+            f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or longer elements",
         )
 
 
 def _sampling(case: Case) -> Iterator[Advice]:
     """Tell that bands reach the Nyquist frequency of the record."""
-    nyquist = 0.5 / case.settings.time_step
+    nyquist = 0.5 / case.settings.step()
     if nyquist <= WIDEST:
         yield Advice(
             "time step",
             "refused" if nyquist <= STANDARD_CUTOFF else "note",
-            f"with {1e3 * case.settings.time_step:g} ms the record holds nothing from "
+            f"with {1e3 * case.settings.step():g} ms the record holds nothing from "
             f"{nyquist:.4g} Hz on; bands that reach it have no value",
             f"settings.time_step below {500.0 / WIDEST:g} ms for all bands",
         )
@@ -285,7 +299,7 @@ def _memory(case: Case, line: Line) -> Iterator[Advice]:
     """Tell that the histories of a passage fill the memory of a usual machine."""
     droppers, supports = len(line.hangers), len(line.contact_supports)
     stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
-    steps = case.line.length() / case.scenario.speed / case.settings.time_step
+    steps = case.line.length() / case.scenario.speed / case.settings.step()
     size = 2 * 8 * steps * (droppers + supports + stages)
     if size > _MUCH_MEMORY:
         yield Advice(

@@ -7,7 +7,8 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 import numpy as np
 
@@ -199,7 +200,14 @@ def _written(value: float, unit: str, *, is_whole: bool) -> Any:
 
 
 def _holds_integers(target: Target) -> bool:
-    return target.field is not None and "int" in str(target.field.annotation).split("[")[0]
+    return target.field is not None and _is_whole(target.field.annotation)
+
+
+def _is_whole(annotation: Any) -> bool:
+    """Return whether a type, without its annotations or None beside it, is that of integers."""
+    if get_origin(annotation) in (Union, UnionType, Annotated):
+        return any(_is_whole(part) for part in get_args(annotation))
+    return annotation is int
 
 
 def _drawn(study: Study, ends: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:

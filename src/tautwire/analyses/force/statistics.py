@@ -96,7 +96,7 @@ def uniform_force(run: Run, name: str) -> ForceRecord:
     """
     record = run.contact_force(name)
     columns = np.column_stack([record.position, record.force])
-    time, values = evenly_spaced(record.time, columns, run.case.settings.time_step)
+    time, values = evenly_spaced(record.time, columns, run.case.settings.step())
     return ForceRecord(time, values[:, 0], values[:, 1])
 
 

@@ -257,7 +257,7 @@ def _integrator(model: Model) -> Integrator:
 
 def _stepping(model: Model) -> StepControl:
     settings = model.case.settings
-    spec, step = settings.step_control, settings.time_step
+    spec, step = settings.step_control, settings.step()
     if spec.method == "variable":
         return VariableStep(
             step,

@@ -168,7 +168,7 @@ def modes_sensitive_to(
     if not finest <= wavelength < math.inf:
         raise InputError(
             f"wavelength: got {wavelength:g} m; elements of up to {0.5 * finest:.3g} m show "
-            f"wavelengths from {finest:.3g} m on: use more settings.nodes_between_droppers"
+            f"wavelengths from {finest:.3g} m on: shorten settings.longest_element"
         )
     target = near if near is not None else free_wire_frequency(model, shape, wavelength)
     found = modes_between(model, shape, target * (1.0 - width), target * (1.0 + width))

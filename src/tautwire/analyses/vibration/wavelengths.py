@@ -12,6 +12,7 @@ from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spe
 from tautwire.errors import InputError
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals
+from tautwire.model.resolution import resolution
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.spectra import Spectrum, Window
 from tautwire.specs.case import Case
@@ -93,15 +94,22 @@ def line_lengths(case: Case) -> LineLengths:
     found = intervals(expand(case), *case.resolved_section())
     span = _commonest(found.spans)
     dropper, support = _commonest_or_none(found.between), _commonest_or_none(found.beside)
-    divisions = case.settings.nodes_between_droppers - 1
     repeated = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
     return LineLengths(
         span=span,
         dropper_interval=dropper,
         support_interval=support,
         shortest=min([*found.between, *found.beside], default=span),
-        elements=tuple(value / divisions for value in repeated),
+        elements=_elements(case, repeated),
     )
+
+
+def _elements(case: Case, intervals: list[float]) -> tuple[float, ...]:
+    """Return the lengths of elements that the head passes again and again [m]."""
+    nodes = case.settings.nodes_between_droppers
+    if nodes is None:
+        return (resolution(case, expand(case)).longest,)
+    return tuple(value / (nodes - 1) for value in intervals)
 
 
 def _commonest_or_none(values: tuple[float, ...]) -> float | None:

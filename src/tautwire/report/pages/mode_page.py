@@ -60,7 +60,7 @@ def write_modes_report(
 def _masthead(case: Case, found: Modes) -> dict[str, Any]:
     facts = {
         "Line": f"{case.line.spans} spans, {case.line.length():g} m",
-        "Mesh": f"NAD {case.settings.nodes_between_droppers}",
+        "Mesh": case.settings.mesh(),
         "Modes": str(len(found.frequencies)),
     }
     if len(found.frequencies):
