@@ -212,6 +212,7 @@ def _document(
         "elapsed_s": elapsed,
         "cpu_per_case_s": _mean(found, "cpu_s"),
         "failures": [failure.as_dict() for failure in found.failures()],
+        "warned": [warned.as_dict() for warned in found.warned()],
         "axes": [
             {
                 "name": axis.name,
@@ -247,10 +248,10 @@ def _view(found: StudyTable, last: StudyProgress | None, elapsed: float) -> list
             ]
         ),
     ]
-    failures = found.failures()
-    if failures:
-        rows = [(str(len(f.cases)), f.status, f.reason) for f in failures]
-        parts += [heading("Without a result"), table(("cases", "", "reason"), "rlL", rows)]
+    for title, alike in (("Without a result", found.failures()), ("Warnings", found.warned())):
+        if alike:
+            rows = [(str(len(one.cases)), one.status, one.reason) for one in alike]
+            parts += [heading(title), table(("cases", "", "reason"), "rlL", rows)]
     if "std" in found.variables:
         parts += [heading("Cases", _window(found)), _case_table(found)]
     return parts
