@@ -130,7 +130,7 @@ def test_warnings_of_cases_are_named(tmp_path: Path) -> None:
     store = Store(tmp_path)
     for point, gap in zip(plan.points, (0.61, 0.72, 0.0), strict=True):
         row = made_row(plan.coordinates(point), 1)
-        row["values"]["warnings"] = [f"outside the model: {gap} m below the wire"] if gap else []
+        row["values"]["warnings"] = f"outside the model: {gap} m below the wire" if gap else ""
         store.save(point.key, row)
     found = collect(plan, store)
     assert [warned.cases for warned in found.warned()] == [(1, 2)]

@@ -22,6 +22,8 @@ from tautwire.studies.store import Row, Store
 from tautwire.text import csv_text
 
 REFUSED, MISSING = "refused", "missing"
+_OWN_TEXTS = tuple(columns.TEXTS)[3:]
+"""Texts that the computation of a case gives."""
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -76,10 +78,10 @@ class StudyTable:
         Names along pantograph, filter and band.
     variables : mapping of str to Variable
         Numbers; NaN where a case has none.
-    status, reason, key, backend, warnings : arrays of str over the dimensions
+    status, reason, key, backend, marked, warnings : arrays of str over the dimensions
         ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed);
-        why; what identifies the result; the kernels that computed it; what to know before its
-        numbers are used.
+        why; what identifies the result; the kernels that computed it; the columns whose figures
+        mesh and time step do not carry; what to know before its numbers are used.
     """
 
     study: Study
@@ -90,6 +92,7 @@ class StudyTable:
     reason: NDArray[np.object_]
     key: NDArray[np.object_]
     backend: NDArray[np.object_]
+    marked: NDArray[np.object_]
     warnings: NDArray[np.object_]
 
     @property
@@ -117,6 +120,18 @@ class StudyTable:
             return ""
         listed = ", ".join(f"{name}: {n} cases" for name, n in zip(kernels, numbers, strict=True))
         return f"cases were computed by different kernels, equal but for the last digits ({listed})"
+
+    def carries(self, index: tuple[int, ...], column: str) -> bool:
+        """Return whether mesh and time step of a case carry a figure.
+
+        Parameters
+        ----------
+        index
+            Place of the case along the dimensions of the study.
+        column
+            ``"std_0_200"``, or ``"losses"``.
+        """
+        return column not in str(self.marked[index]).split(", ")
 
     def __getitem__(self, name: str) -> Variable:
         """Return a variable by name."""
@@ -272,10 +287,8 @@ def collect(plan: Plan, store: Store) -> StudyTable:
         row = rows.get(point.key)
         status = str(row["status"]) if row else REFUSED if point.problems else MISSING
         reason = str(row["reason"]) if row else "; ".join(point.problems)
-        backend = str(row["values"].get("backend", "")) if row else ""
-        warnings = "; ".join(row["values"].get("warnings", ())) if row else ""
-        told = (status, reason, point.key, backend, warnings)
-        for name, text in zip(columns.TEXTS, told, strict=True):
+        own = [str(row["values"].get(name, "")) if row else "" for name in _OWN_TEXTS]
+        for name, text in zip(columns.TEXTS, (status, reason, point.key, *own), strict=True):
             texts[name][at] = text
         if row is not None:
             _fill(arrays, at, row, labels)
