@@ -21,6 +21,8 @@ from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Grounds, Path,
 from tautwire.numerics.network.system import System, internal_force, lumped_mass
 from tautwire.numerics.newmark import Integrator, Newmark
 from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
+from tautwire.numerics.statics.loaded_line import LoadedLine
+from tautwire.numerics.statics.window import Push, Pushed
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 
@@ -36,6 +38,12 @@ def stretch_under(tension: float, axial_stiffness: float) -> float:
     return float(
         brentq(lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16)
     )
+
+
+def loaded(system: System, load: Array) -> Pushed:
+    """Return the static state of a whole line, nonlinear everywhere, under more nodal loads."""
+    push = Push(np.arange(system.dof_count)[None], load[None], 1.0)
+    return LoadedLine(system).window(increment=1e-9).respond([push])[0]
 
 
 def empty_system(node_count: int) -> System:

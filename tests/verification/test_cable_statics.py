@@ -14,11 +14,10 @@ from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import System, internal_force, tangent_parts
-from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.numerics.statics.newton import NewtonSettings, damped_newton
 from tautwire.status import Status
 
-from ..lines import CONTACT_WIRE, hang, straight_wire, wire_elements
+from ..lines import CONTACT_WIRE, hang, loaded, straight_wire, wire_elements
 
 Array = NDArray[np.float64]
 Record = Callable[..., bool]
@@ -221,7 +220,7 @@ def uplift(wire: System, node: int, force: float) -> float:
     """Return the static uplift of a node under a vertical force on it."""
     load = np.zeros(wire.dof_count)
     load[6 * node + 2] = force
-    response = StaticSolver(wire).solve(load)
+    response = loaded(wire, load)
     assert response.status is Status.DONE
     return float(response.position[6 * node + 2])
 
