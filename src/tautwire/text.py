@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import html
 import io
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 
@@ -13,6 +15,21 @@ _TURNING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 """Marks that turn the direction of what follows, so that a text reads otherwise than it is."""
 _WHITE = "\t\n\r"
 _ACTING = ("=", "+", "-", "@", "\t", "\r")
+
+
+LONGEST_NAME = 60
+"""Characters of a name: it stands in columns of tables and in names of files."""
+
+
+def as_name(text: str) -> str:
+    """Return a text as a name that file systems, tables and command lines take.
+
+    Examples
+    --------
+    >>> as_name("Linie 4/2 (neu)")
+    'Linie-4-2--neu-'
+    """
+    return re.sub(r"[^A-Za-z0-9._+-]", "-", text)[:LONGEST_NAME]
 
 
 def unprintable(text: str) -> str:
@@ -70,6 +87,27 @@ def shown(value: object, most: int = 60) -> str:
     if isinstance(value, float):
         text = text.removesuffix(".0")
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+class Told:
+    """An object that tells in a line, and in a notebook as a table, what matters about it."""
+
+    def facts(self) -> dict[str, str]:
+        """Return what matters, by what it is."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """Return kind and facts in one line."""
+        told = "; ".join(f"{name} {text}" for name, text in self.facts().items())
+        return f"<{type(self).__name__}: {printable(told)}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self.facts().items()
+        )
+        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
 
 
 def csv_text(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:

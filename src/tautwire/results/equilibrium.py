@@ -8,6 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.numerics.network.system import System
+from tautwire.specs.conditions.condition import Condition
+from tautwire.text import Told
+
 Array = NDArray[np.float64]
 
 
@@ -48,8 +52,8 @@ class WireShape:
         return np.stack(ends, axis=-1) + direction
 
 
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
+@dataclass(frozen=True, eq=False, repr=False)
+class Equilibrium(Told):
     """Static state found by :func:`tautwire.find_shape`.
 
     Everything is ordered from left to right. Numbers that a person reads count from 1, numbers of
@@ -101,6 +105,8 @@ class Equilibrium:
         Weight of the line, and sum of the vertical reactions of all supports and anchors.
     iterations, residual : int, N
         Newton iterations of the shape finding and the largest out-of-balance nodal force.
+    operated : Operated or None
+        What the condition made of the line; None for the design, and for what was read from a file.
     """
 
     position: Array
@@ -133,6 +139,27 @@ class Equilibrium:
     reaction: float
     iterations: int
     residual: float
+    operated: Operated | None = None
+
+    def facts(self) -> dict[str, str]:
+        """Return wires, droppers, arms and how the shape was found, in words."""
+        told = {"wires": ", ".join(f"{w.name} ({w.role})" for w in self.wires)}
+        told["length"] = f"{self.node_s.max() - self.node_s.min():.1f} m"
+        if self.dropper_x.size:
+            told["droppers"] = (
+                f"{self.dropper_x.size}, {self.dropper_lengths.min():.3f} to "
+                f"{self.dropper_lengths.max():.3f} m, {self.dropper_forces.min():.1f} to "
+                f"{self.dropper_forces.max():.1f} N"
+            )
+        if self.arm_forces.size:
+            degrees = np.degrees(self.arm_angles)
+            told["steady arms"] = (
+                f"{self.arm_forces.size}, {self.arm_forces.min():.0f} to "
+                f"{self.arm_forces.max():.0f} N, {degrees.min():.1f} to {degrees.max():.1f} deg"
+            )
+        told["weight"] = f"{self.weight:.0f} N, reactions {self.reaction:.0f} N"
+        told["found"] = f"in {self.iterations} iterations, residual {self.residual:.1e} N"
+        return told
 
     @cached_property
     def wires(self) -> tuple[WireShape, ...]:
@@ -166,7 +193,7 @@ class Equilibrium:
     def running_height(self, s: Array) -> Array:
         """Return the height of the lowest contact wire at some places, shaped as ``s`` [m]."""
         heights = [
-            np.interp(s, wire.s, wire.position[:, 2], left=np.inf, right=np.inf)
+            np.interp(s, wire.position[:, 0], wire.position[:, 2], left=np.inf, right=np.inf)
             for wire in self.of_role("contact")
         ]
         return np.min(heights, axis=0)
@@ -193,7 +220,32 @@ def _no(name: str) -> WireShape:
 
 
 @dataclass(frozen=True, eq=False)
-class Elasticity:
+class Operated:
+    """A line under a condition: what it was and what it is.
+
+    Attributes
+    ----------
+    condition : Condition
+    design : Equilibrium
+        Whose unstrained lengths, before temperature and defects, the line keeps.
+    system : System
+        The line at rest under the condition; its loads stay on.
+    end_travel : (2, n_wire) m
+        How far the left and the right end of every wire have moved away from the wire's middle;
+        NaN where a wire is clamped to another.
+    end_words : (2, n_wire) tuples of str
+        What each end is doing: held, free, at a stop.
+    """
+
+    condition: Condition
+    design: Equilibrium
+    system: System
+    end_travel: Array
+    end_words: tuple[tuple[str, ...], tuple[str, ...]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Elasticity(Told):
     """Static uplift per vertical force on the contact wire.
 
     Attributes
@@ -226,6 +278,15 @@ class Elasticity:
         """
         high, low = float(self.elasticity.max()), float(self.elasticity.min())
         return (high - low) / (high + low)
+
+    def facts(self) -> dict[str, str]:
+        """Return force, range and non-uniformity in words."""
+        least, most = 1e3 * self.elasticity.min(), 1e3 * self.elasticity.max()
+        return {
+            "elasticity": f"{least:.3f} to {most:.3f} mm/N under {self.force:g} N",
+            "spans": f"{self.span.min()} to {self.span.max()}",
+            "non-uniformity": f"{100 * self.nonuniformity:.1f} %",
+        }
 
     def __str__(self) -> str:
         rows = [f"elasticity under {self.force:g} N [mm/N]"]

@@ -11,6 +11,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, MAPPING, Spec, Typical, form_of, refuse
 from tautwire.specs.checks import find_contradictions
+from tautwire.specs.conditions.condition import Condition
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
@@ -21,6 +22,7 @@ from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 from tautwire.specs.upgrade import upgraded
+from tautwire.text import Told
 
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
@@ -43,7 +45,7 @@ class Source(Spec):
     )
 
 
-class Case(Spec):
+class Case(Told, Spec):
     """One simulation: line, wires, supports, droppers, pantographs, scenario, settings."""
 
     schema_version: Annotated[Literal[2], Typical("2")] = Field(
@@ -80,6 +82,14 @@ class Case(Spec):
         default=Irregularities(),
         description="Irregularities of the contact wire; none if left out.",
     )
+    conditions: tuple[Condition, ...] = Field(
+        default=(),
+        description="States of the line other than its design: weather, wear, defects.",
+    )
+    condition: str | None = Field(
+        default=None,
+        description="Name of the condition in which the line is examined; the design if left out.",
+    )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(
         default=Settings(), description="Numerical choices and analysed section."
@@ -102,6 +112,31 @@ class Case(Spec):
     def dropper_sets(self) -> tuple[Droppers, ...]:
         """All sets of droppers."""
         return self.droppers if isinstance(self.droppers, tuple) else (self.droppers,)
+
+    def with_condition(self, name: str | None) -> Case:
+        """Return the case with another condition chosen; None chooses the design."""
+        return self.with_(condition=name)
+
+    @property
+    def chosen_condition(self) -> Condition | None:
+        """The condition in which the line is examined; None for the design."""
+        return next((one for one in self.conditions if one.name == self.condition), None)
+
+    def facts(self) -> dict[str, str]:
+        """Return line, wires, pantographs and speed in words."""
+        spans = self.line.span_lengths()
+        lengths = f"{min(spans):g} m" if min(spans) == max(spans) else (
+            f"{min(spans):g} to {max(spans):g} m"
+        )  # fmt: skip
+        wires = (f"{name} {1e-3 * wire.tension:g} kN" for name, wire in self.wires.named())
+        count = len(self.pantographs)
+        return {
+            "name": f"{self.name}, {self.title}" if self.title else self.name,
+            "line": f"{self.line.spans} spans of {lengths}",
+            "wires": ", ".join(wires),
+            "condition": self.condition or "as designed",
+            "pantographs": f"{count} at {3.6 * self.scenario.speed:g} km/h",
+        }
 
     def hash(self) -> str:
         """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.closures import Held
@@ -23,14 +24,45 @@ from tautwire.status import Status
 Array = NDArray[Any]
 
 RESIDUAL = 1e-4
+"""Largest force out of balance [N]: a ten-millionth of the weight of a span; Newton's last step
+leaves some 1e-8 N, where the rounding of EA times strain begins."""
 _RIGID_DROPPER = 1e8
+"""Stiffness of droppers that hardly stretch [N/m]: 100 N stretch one by a micrometre."""
 _SMALLEST_PULL = 10.0
+"""Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
+over 1.22 m)."""
 _ACTIVE_SET_PASSES = 20
+"""Most passes in search of the slack droppers; each changes at least one, few are slack at rest."""
+
+
+def find_shape(model: Model) -> Equilibrium:
+    """Find the static state of a line in the condition that its case has chosen.
+
+    That is its design, and with ``case.condition`` what the condition makes of it.
+
+    Parameters
+    ----------
+    model
+        The line.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        When Newton's iteration fails.
+    ModelError
+        When a dropper or a steady arm would have to push, a wire is slack or wires cross; every
+        place is named.
+    """
+    return operate(model, find_design(model))
 
 
 @single_threaded
-def find_shape(model: Model) -> Equilibrium:
-    """Find coordinates, unstrained lengths and support data of the static state.
+def find_design(model: Model) -> Equilibrium:
+    """Find coordinates, unstrained lengths and support data of the line as designed.
 
     The longitudinal position of every wire node is given by the mesh, each wire's tension acts on
     its end; in height mode the dropper lengths follow from the pre-sag, in length mode the heights

@@ -19,6 +19,7 @@ from tautwire.signals.spectra import (
 Array = NDArray[np.float64]
 
 POINTS_PER_ELEMENT = 4
+"""Even points per shortest element: an element is a cubic, which four points determine."""
 
 
 @dataclass(frozen=True, eq=False)
