@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 
 from tautwire.analyses.road import elasticity as module
 from tautwire.analyses.road.elasticity import elasticity
@@ -157,7 +157,7 @@ def full_newton(system: System, extra: Array) -> Array:
         taut = internal_force(system, q).tie_axial > 0.0
         k = pattern.csr(pattern.values(tangent_parts(system, q, taut=taut))).tocsc()
         step = np.zeros(system.dof_count)
-        step[free] = spsolve(k[free][:, free], -r[free])
+        step[free] = splu(k[free][:, free]).solve(-r[free])
         return step
 
     limits = np.full(system.dof_count, 0.1)
