@@ -167,7 +167,6 @@ def test_elastic_catenary_closed_form(record_validation: Record) -> None:
         return tension * s / axial + np.arcsinh(ratio * s) / ratio - 0.5 * SPAN
 
     end = float(root_scalar(fault, bracket=(1.0, SPAN)).root)
-    )
     sag = WEIGHT * end**2 / (2.0 * axial) + (np.sqrt(1.0 + (ratio * end) ** 2) - 1.0) / ratio
     support = float(np.hypot(tension, WEIGHT * end))
     ours = hanging(16, tension, axial)

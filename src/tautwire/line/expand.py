@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
+from tautwire.line.defects import marks
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -62,6 +63,7 @@ def expand(case: Case) -> Line:
         registrations=tuple(sorted(registrations, key=lambda piece: piece.at.s)),
         suspensions=tuple(sorted(suspensions, key=lambda piece: piece.at.s)),
         joints=tuple(joints),
+        marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,10 +38,12 @@ class Group:
     end: Array
 
 
-def groups(line: Line, mesh: Mesh) -> Iterator[Group]:
-    """Yield the registrations of a line kind by kind."""
+def groups(line: Line, mesh: Mesh, without: Collection[int] = ()) -> Iterator[Group]:
+    """Yield the registrations of a line kind by kind, some rows left out."""
     kinds: dict[Closure, list[int]] = {}
     for row, piece in enumerate(line.registrations):
+        if row in without:
+            continue
         kinds.setdefault(piece.kind, []).append(row)
     for kind, rows in kinds.items():
         pieces = [line.registrations[row] for row in rows]
@@ -79,12 +81,12 @@ def held_registrations(
 
 
 def registrations_at_rest(
-    line: Line, mesh: Mesh, shape: Equilibrium, gravity: float
+    line: Line, mesh: Mesh, shape: Equilibrium, gravity: float, broken: Collection[int]
 ) -> Iterator[tuple[Group, AtRest]]:
-    """Yield what holds the contact wires once the shape is found, kind by kind."""
+    """Yield what holds the contact wires once the shape is found, kind by kind; broken rows not."""
     r = shape.position.reshape(-1, 6)[:, :3]
     held = _held_in(line, shape)
-    for group in groups(line, mesh):
+    for group in groups(line, mesh, broken):
         own = Held(*(getattr(held, n)[group.rows] for n in ("force", "angle", "end", "preload")))
         yield group, group.kind.at_rest(group.nodes, r[group.nodes], own, gravity)
 
