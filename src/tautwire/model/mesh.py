@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
+from tautwire.numerics.track import Frames
 from tautwire.specs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -50,10 +51,13 @@ class Mesh:
     strands : tuple of Strand
     s : (n_node,) m
         Place of every node along the track.
+    frames : Frames
+        Of the track at every node.
     """
 
     strands: tuple[Strand, ...]
     s: Array
+    frames: Frames
 
     @property
     def node_count(self) -> int:
@@ -152,7 +156,7 @@ def divide(line: Line, settings: Settings) -> Mesh:
         cables = np.arange(first_cable, first_cable + len(own) - 1)
         strands.append(Strand(run, own, nodes, cables))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
-    return Mesh(tuple(strands), s[order])
+    return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
 
 
 def _divided(ends: Array, division: Division) -> Array:

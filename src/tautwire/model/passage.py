@@ -97,7 +97,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
             ramp=case.settings.ramp,
             roof=_roof(spec),
             surface=surface,
-            reach=0.5 * spec.head_length if len(shape.of_role("contact")) > 1 else np.inf,
+            reach=0.5 * spec.head_length,
+            track=model.line.track,
         )
         for spec, force in zip(case.pantographs, forces, strict=True)
     )

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.numerics.track import Track
+
 Array = NDArray[np.float64]
 
 
@@ -23,7 +25,8 @@ class WireShape:
     s : (n,) m
         Their place along the track.
     position, slope : (n, 3) m, 1
-        Coordinates, and their derivatives along the unstrained wire.
+        Coordinates in the frame of the track (along it from support 1, lateral, above the rails),
+        and their derivatives along the unstrained wire.
     lengths : (n - 1,) m
         Unstrained lengths of its elements.
     """
@@ -57,8 +60,11 @@ class Equilibrium:
 
     Attributes
     ----------
+    track : Track
+        The alignment, in whose frames heights and lateral positions are told.
     position : (n_dof,) m
-        Nodal coordinates, node by node ``x y z x' y' z'``.
+        Nodal coordinates, node by node ``x y z x' y' z'``: those of the track where it is straight
+        and level; in space otherwise, the track starting along x.
     node_s : (n_node,) m
         Place of each node along the track.
     node_wire : (n_node,)
@@ -90,11 +96,11 @@ class Equilibrium:
     arm_angles : (n_arm,) rad
         Inclination of the arms, positive when the far end is above the wire.
     arm_ends : (n_arm, 3) m
-        Far (hinged) ends of the arms.
+        Far (hinged) ends of the arms: along the track, lateral, above the rails.
     suspension_free_heights : (n_suspension,) m
         Height at which the springs that carry messenger wires are slack.
     joint_pulls : (n_joint, 3) N
-        Force of each joint of two wires on the one that holds the other.
+        Force in space of each joint of two wires on the one that holds the other.
     end_pulls : (2, n_wire) N
         Longitudinal force on the left and the right end of every wire.
     weight, reaction : float N
@@ -103,6 +109,7 @@ class Equilibrium:
         Newton iterations of the shape finding and the largest out-of-balance nodal force.
     """
 
+    track: Track
     position: Array
     node_s: Array
     node_wire: NDArray[np.int64]
@@ -137,7 +144,7 @@ class Equilibrium:
     @cached_property
     def wires(self) -> tuple[WireShape, ...]:
         """All wires, in the order of ``wire_names``."""
-        r = self.position.reshape(-1, 2, 3)
+        r = self.in_track_frame(self.position)
         counts = np.bincount(self.node_wire, minlength=len(self.wire_names))
         elements = np.split(self.cable_lengths, np.cumsum(counts - 1)[:-1])
         found = []
@@ -148,6 +155,13 @@ class Equilibrium:
                 WireShape(name, role, own, self.node_s[own], place, slope, elements[number])
             )
         return tuple(found)
+
+    def in_track_frame(self, position: Array) -> Array:
+        """Return nodal coordinates and slopes in the frame of the track, ``(n_node, 2, 3)``."""
+        r, frames = position.reshape(-1, 2, 3), self.track.frames(self.node_s)
+        local = np.stack([frames.to_local(r[:, 0]), frames.components(r[:, 1])], axis=1)
+        local[:, 0, 0] += self.node_s
+        return local
 
     def wire(self, name: str) -> WireShape:
         """Return the wire of a name.
@@ -178,12 +192,12 @@ class Equilibrium:
 
     @property
     def contact_position(self) -> Array:
-        """Coordinates of the first contact wire, ``(n, 3)`` [m]."""
+        """Coordinates of the first contact wire in the frame of the track, ``(n, 3)`` [m]."""
         return self.contact.position
 
     @property
     def messenger_position(self) -> Array:
-        """Coordinates of the first messenger wire, ``(n, 3)``; empty without one [m]."""
+        """The same of the first messenger wire, ``(n, 3)``; empty without one [m]."""
         found = self.of_role("messenger")
         return found[0].position if found else np.empty((0, 3))
 
