@@ -14,6 +14,7 @@ Examples
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from tautwire.results.accessors import register
 from tautwire.version import __version__
 
 if TYPE_CHECKING:
@@ -117,6 +118,8 @@ _HOMES = {
     "simulate": "tautwire.analyses.road.dynamics",
     "write_report": "tautwire.report.pages.run_page",
 }
+
+register("plot", "tautwire.report.plots", "RunPlots")
 
 
 def __getattr__(name: str) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import io
 import unicodedata
 from collections.abc import Iterable, Sequence
@@ -70,6 +71,27 @@ def shown(value: object, most: int = 60) -> str:
     if isinstance(value, float):
         text = text.removesuffix(".0")
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+class Told:
+    """An object that tells in a line, and in a notebook as a table, what matters about it."""
+
+    def facts(self) -> dict[str, str]:
+        """Return what matters, by what it is."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """Return kind and facts in one line."""
+        told = "; ".join(f"{name} {text}" for name, text in self.facts().items())
+        return f"<{type(self).__name__}: {printable(told)}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self.facts().items()
+        )
+        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
 
 
 def csv_text(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:

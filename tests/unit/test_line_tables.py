@@ -14,10 +14,13 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
+from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.vocabulary import Meaning, folded, meaning_of, words_for
+from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
 from tautwire.tables.sheets import read_sheets
 from tautwire.tables.values import CellError, number_of
-from tautwire.tables.vocabulary import role_of
 
 SPANS = (60.0, 58.0, 55.0, 61.0, 50.0, 60.0, 60.0, 52.0)
 SUPPORTS: list[list[Any]] = [
@@ -48,6 +51,11 @@ def workbook(path: Path, **sheets: list[list[Any]]) -> Path:
     return path
 
 
+def droppers_of(case: Case) -> Droppers:
+    assert isinstance(case.droppers, Droppers)
+    return case.droppers
+
+
 def table(path: Path, text: str, encoding: str = "utf-8") -> Path:
     path.write_bytes(text.encode(encoding))
     return path
@@ -63,6 +71,7 @@ def test_workbook_becomes_a_case(tmp_path: Path) -> None:
     assert case.supports.contact_staggers(9)[:3] == (0.2, -0.2, 0.2)
     assert case.supports.contact_heights(9)[0] == pytest.approx(5.3)
     assert (case.wires.contact.tension, case.wires.contact.mass) == (10e3, 0.89)
+    assert case.wires.messenger is not None
     assert case.wires.messenger.mass == 0.446
     sources = {source.path: source for source in case.sources}
     assert sources["line.span_length"].source == "Table valley.xlsx"
@@ -72,7 +81,7 @@ def test_workbook_becomes_a_case(tmp_path: Path) -> None:
 def test_droppers_follow_unequal_spans(tmp_path: Path) -> None:
     """Without a table of droppers they are placed in every span by rule, and all of them pull."""
     case = load_case(workbook(tmp_path / "valley.xlsx", Masts=SUPPORTS, Wires=WIRES))
-    rows = case.droppers.positions_by_span(len(SPANS))
+    rows = droppers_of(case).positions_by_span(len(SPANS))
     assert [row[0] for row in rows] == [4.5] * len(SPANS)
     assert [round(s - row[-1], 6) for s, row in zip(SPANS, rows, strict=True)] == [4.5] * len(SPANS)
     shape = find_shape(build(case.with_(**{"settings.nodes_between_droppers": 4})))
@@ -140,9 +149,9 @@ def test_lengths_and_masts_in_a_dropper_table(tmp_path: Path) -> None:
         ]
     path = workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Droppers=droppers, Wires=WIRES)
     case = load_case(path)
-    assert case.droppers.mode == "length"
-    assert case.droppers.lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
-    assert case.droppers.positions_by_span(8)[1] == (14.5, 29.0, 43.5)
+    assert droppers_of(case).mode == "length"
+    assert droppers_of(case).lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
+    assert droppers_of(case).positions_by_span(8)[1] == (14.5, 29.0, 43.5)
 
 
 def test_written_dropper_table_is_read_back(tmp_path: Path) -> None:
@@ -167,7 +176,7 @@ def test_presag_in_per_mille(tmp_path: Path) -> None:
     rows += [[s, x, "0,5"] for s in (1, 2, 3) for x in (10, 25, 40)]
     spans: list[list[Any]] = [["Mast", "Span [m]"], ["A", 60], ["B", 50], ["C", 60], ["D", None]]
     case = load_case(workbook(tmp_path / "w.xlsx", Masts=spans, Droppers=rows))
-    presag = [row[0] for row in case.droppers.presag_by_span(3)]
+    presag = [row[0] for row in droppers_of(case).presag_by_span(3)]
     assert presag == pytest.approx([0.030, 0.025, 0.030])
 
 
@@ -259,3 +268,80 @@ def test_values_that_are_none() -> None:
 def test_wires_by_their_role(name: str, role: str) -> None:
     """Wires are known by what they are called in a table, whatever case and accents."""
     assert role_of(name) == role
+
+
+@pytest.mark.parametrize(
+    ("word", "key"),
+    [
+        ("Stützpunkt", "line.masts"),
+        ("N° poteau", "line.masts"),
+        ("Längsspannweite", "line.span_length"),
+        ("Stationing", "line.chainage"),
+        ("Systemhøyde", "supports.encumbrance"),
+        ("Effort", "wires.contact.tension"),
+        ("Tensile force", "wires.contact.tension"),
+        ("Hängerlänge", "droppers.lengths"),
+    ],
+)
+def test_headings_explain_unknown_keys(word: str, key: str) -> None:
+    """What heads a column of a table explains the unknown key of a case too."""
+    assert meaning_of(word) == Meaning(key=key)
+    headings = {
+        heading for kind in KINDS for field in fields_of(kind) for heading in field.headings
+    }
+    assert folded(word) in headings
+
+
+SHARED = [*words_for("line.span_length"), *words_for("supports.encumbrance")]
+
+
+@pytest.mark.parametrize("word", SHARED)
+def test_words_of_keys_head_columns(word: str, tmp_path: Path) -> None:
+    """Every word that explains an unknown key of the supports heads their column as well."""
+    path = table(tmp_path / "t.csv", f"Mast;Chainage;{word}\nA;0;50\nB;50;50\n")
+    mapping = propose(read_sheets(path)[0])
+    assert mapping is not None
+    assert not mapping.aside
+
+
+def test_spacing_is_no_position(tmp_path: Path) -> None:
+    """A distance from dropper to dropper is not read as a position along the span."""
+    assert meaning_of("spacing") == Meaning(key="droppers.positions")
+    path = table(tmp_path / "t.csv", "Span no;Position [m];Spacing [m]\n1;5;5\n1;10;5\n")
+    mapping = propose(read_sheets(path)[0])
+    assert mapping is not None
+    assert mapping.aside == ("Spacing [m]",)
+
+
+US_LINE = """
+schema: 2
+name: us-line
+include: ac-simple
+line: {span_length: 180 ft}
+wires:
+  contact: {tension: 4950 lbf, mass: 0.907 lb/ft}
+scenario: {speed: 150 mph}
+"""
+
+
+def test_line_in_units_of_us_practice(tmp_path: Path) -> None:
+    """Feet, inches, pounds and miles: a case and a table of masts, units in a row of their own."""
+    case = load_case(table(tmp_path / "us.yaml", US_LINE))
+    assert case.line.span_lengths()[0] == pytest.approx(54.864)
+    assert case.wires.contact.tension == pytest.approx(22018.7, abs=0.1)
+    assert case.wires.contact.mass == pytest.approx(1.34977, abs=1e-5)
+    assert case.scenario.speed == pytest.approx(67.056)
+    masts: list[list[Any]] = [["Pole", "Span", "Stagger", "System depth"], ["-", "ft", "in", "ft"],
+                              *([f"E{i}", 180, 8 * (-1) ** i, 4] for i in range(5)),
+                              ["E5", None, -8, 4]]  # fmt: skip
+    wires: list[list[Any]] = [["Wire", "Mass [lb/ft]", "Tension [lb]"],
+                              ["Trolley wire", 0.907, 4950], ["Messenger", 0.71, 3600]]  # fmt: skip
+    read = load_case(workbook(tmp_path / "us.xlsx", Poles=masts, Wires=wires))
+    assert read.line.span_lengths() == pytest.approx((54.864,) * 5)
+    assert read.line.masts == ("E0", "E1", "E2", "E3", "E4", "E5")
+    assert read.supports.contact_staggers(6)[:2] == pytest.approx((0.2032, -0.2032))
+    assert read.supports.encumbrances(6)[0] == pytest.approx(1.2192)
+    assert read.wires.contact.mass == case.wires.contact.mass
+    assert read.wires.contact.tension == case.wires.contact.tension
+    with pytest.raises(InputError, match=r"unknown key; it is given as line\.span_length"):
+        load_case(table(tmp_path / "bad.yaml", US_LINE + "bay: 180 ft\n"))

@@ -265,25 +265,23 @@ def identified(sigma: float, *, losses: int = 0) -> identification.Trial:
     """Judge one reading whose Table 2 is the paper's but for σ(0-2)."""
     table = {"sharp, spans 4 to 13": {**published.PAPER, "std_0_2": sigma, "std_0_50": 50.0,
                                       "std_0_200": 60.0}}  # fmt: skip
-    lines = [
-        {"ratio": 9.0, "limit": 6.0},
-        {"ratio": 3.0, "limit": 6.0},
-        {"ratio": 9.0, "limit": 6.0},
-    ]
+    places = [place for _, place in identification.ELEMENT_LINES]
+    lines = {f"{place:.2f}": place != 158.02 for place in (*identification.LINES_OF_MESH, *places)}
     row = {"values": {"table": table, "losses": losses, "lines": lines, "advised": 58.0}}
     static = {identification.LIBRARY: {"values": {"elasticity": {
         "100 N": [0.2] * 6, "200 N": list(published.ELASTICITY_PAPER)}}}}  # fmt: skip
-    grid = {identification.passage(identification.LIBRARY, 50): row}
-    (found,) = identification.judge(grid, static, {})
+    (found,) = identification.judge(
+        static, {identification.passage(identification.LIBRARY, 50): row}
+    )
     return found
 
 
 def test_readings_are_judged_by_the_numbers_they_meet() -> None:
-    """Table 1 by the load that meets most, Table 2 number by number, lines by the F test; a trend
-    that needs a missing stiffness is not met."""
+    """Table 1 by the load that meets most, Table 2 number by number, lines by the F test; what
+    was not computed is not judged."""
     assert identified(38.25).met == {
-        "Table 1": (6, 6), "Table 2": (7, 7), "III.B": (0, 3), "lines": (2, 3), "no loss": (1, 1),
-        "IV.C": (1, 2),
+        "Table 1": (6, 6), "Table 2": (7, 7), "III.B": (0, 0), "NAD 9": (2, 3), "no loss": (1, 1),
+        "III.A": (0, 0), "IV.C": (1, 2),
     }  # fmt: skip
     assert identified(30.0, losses=2).met["Table 2"] == (6, 7)
     assert identified(30.0, losses=2).met["no loss"] == (0, 1)
@@ -321,22 +319,49 @@ def test_a_passage_is_reduced_to_the_numbers_that_are_judged() -> None:
     table = values["table"][f"sharp, spans {first} to {last}"]
     assert table["std_0_20"] == pytest.approx(sharp.standard_deviation, abs=0.01)
     assert values["losses"] == tw.contact_loss(run)[0].count
-    assert len(values["lines"]) == len(identification.LINES_NAD_9)
+    assert len(values["lines"]) == len(identification.ELEMENT_LINES) + 1
     assert table["std_0_20"] < values["advised"] < table["std_0_200"]
     assert run_file is None
 
 
 def test_readings_of_the_identification_are_valid_cases() -> None:
-    """Grid, elasticities and the speeds of a reading; damping has no elasticity of its own."""
-    grid, static = (plan_study(s) for s in (identification.grid_study(),
-                                            identification.static_study()))  # fmt: skip
-    for plan in (grid, static):
+    """Grid, trends, elasticities, speeds and meshes; damping has no elasticity of its own."""
+    grid, trend, static = (
+        plan_study(study())
+        for study in (
+            identification.grid_study,
+            identification.trend_study,
+            identification.static_study,
+        )
+    )
+    for plan in (grid, trend, static):
         assert [point.problems for point in plan.points if point.problems] == []
     count = len(identification.ARMS) * len(identification.MESSENGER) + len(identification.ALONE)
     assert len(grid.by_key) == count * len(identification.STIFFNESSES)
     assert len(static.by_key) == count - 5
-    speeds = plan_study(identification.speed_study([identified(38.25)]))
-    assert len(speeds.by_key) == len(SPEEDS) - 1
+    rest = plan_study(identification.finalist_study([identified(38.25)]))
+    assert len(rest.by_key) == len(SPEEDS) - 1 + len(MESHES) - 2  # NAD 15 stands among the trends
+
+
+def test_an_element_line_stands_on_its_own_mesh_alone() -> None:
+    """On four meshes: a line that the finer mesh shows too is none of the elements."""
+    places = {f"{place:.2f}": False for _, place in identification.ELEMENT_LINES}
+    doubled = f"{2.0 * published.ELEMENT_PASSING[9][0]:.2f}"
+    sigmas = {**published.PAPER, "std_0_50": 55.0, "std_0_200": 60.0}
+    rest = {"losses": 0, "advised": 58.0, "table": {"sharp": sigmas}}
+    own = {
+        identification.passage(identification.LIBRARY, 50, mesh=nad): {
+            "values": {**rest, "lines": {**places, doubled: True,
+                                         **{f"{place:.2f}": True for place in pair}}}
+        }
+        for nad, pair in published.ELEMENT_PASSING.items()
+    }  # fmt: skip
+    (found,) = identification.judge({}, own)
+    assert found.met["III.A"] == (8, 8)
+    finest = own[identification.passage(identification.LIBRARY, 50, mesh=18)]["values"]
+    finest["lines"]["123.67"] = True
+    (found,) = identification.judge({}, own)
+    assert found.met["III.A"] == (7, 8)
 
 
 def found_mode(name: str, wanted: float, participation: float) -> vibration.Found:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.track import Track
+from tautwire.text import Told
 
 Array = NDArray[np.float64]
 
@@ -51,8 +52,8 @@ class WireShape:
         return np.stack(ends, axis=-1) + direction
 
 
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
+@dataclass(frozen=True, eq=False, repr=False)
+class Equilibrium(Told):
     """Static state found by :func:`tautwire.find_shape`.
 
     Everything is ordered from left to right. Numbers that a person reads count from 1, numbers of
@@ -141,6 +142,26 @@ class Equilibrium:
     iterations: int
     residual: float
 
+    def facts(self) -> dict[str, str]:
+        """Return wires, droppers, arms and how the shape was found, in words."""
+        told = {"wires": ", ".join(f"{w.name} ({w.role})" for w in self.wires)}
+        told["length"] = f"{self.node_s.max() - self.node_s.min():.1f} m"
+        if self.dropper_x.size:
+            told["droppers"] = (
+                f"{self.dropper_x.size}, {self.dropper_lengths.min():.3f} to "
+                f"{self.dropper_lengths.max():.3f} m, {self.dropper_forces.min():.1f} to "
+                f"{self.dropper_forces.max():.1f} N"
+            )
+        if self.arm_forces.size:
+            degrees = np.degrees(self.arm_angles)
+            told["steady arms"] = (
+                f"{self.arm_forces.size}, {self.arm_forces.min():.0f} to "
+                f"{self.arm_forces.max():.0f} N, {degrees.min():.1f} to {degrees.max():.1f} deg"
+            )
+        told["weight"] = f"{self.weight:.0f} N, reactions {self.reaction:.0f} N"
+        told["found"] = f"in {self.iterations} iterations, residual {self.residual:.1e} N"
+        return told
+
     @cached_property
     def wires(self) -> tuple[WireShape, ...]:
         """All wires, in the order of ``wire_names``."""
@@ -206,8 +227,8 @@ def _no(name: str) -> WireShape:
     raise KeyError(f"the line has no wire named {name!r}")
 
 
-@dataclass(frozen=True, eq=False)
-class Elasticity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Elasticity(Told):
     """Static uplift per vertical force on the contact wire.
 
     Attributes
@@ -240,6 +261,15 @@ class Elasticity:
         """
         high, low = float(self.elasticity.max()), float(self.elasticity.min())
         return (high - low) / (high + low)
+
+    def facts(self) -> dict[str, str]:
+        """Return force, range and non-uniformity in words."""
+        least, most = 1e3 * self.elasticity.min(), 1e3 * self.elasticity.max()
+        return {
+            "elasticity": f"{least:.3f} to {most:.3f} mm/N under {self.force:g} N",
+            "spans": f"{self.span.min()} to {self.span.max()}",
+            "non-uniformity": f"{100 * self.nonuniformity:.1f} %",
+        }
 
     def __str__(self) -> str:
         rows = [f"elasticity under {self.force:g} N [mm/N]"]

@@ -10,11 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import InputError
+from tautwire.results.accessors import made
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
+from tautwire.text import Told
 
 Array = NDArray[np.float64]
+
+_HISTORIES = {"position": "m", "contact_force": "N", "gap": "m", "wire_height": "m"}
+_MISSING = "{} is not installed; install it with: pip install 'tautwire[data]'"
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +127,8 @@ class ContactEvents:
     opens: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Told):
     """Result of :func:`tautwire.simulate`.
 
     Attributes
@@ -167,6 +172,81 @@ class Run:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     events: ContactEvents | None = None
     irregularities: DrawnIrregularities | None = None
+
+    @property
+    def plot(self) -> Any:
+        """Figures of the report, as :class:`tautwire.report.plots.RunPlots`."""
+        return made("plot", self)
+
+    def facts(self) -> dict[str, str]:
+        """Return line, passage, cost and warnings in words; statistics are made separately."""
+        spans, end = self.case.line.spans, self.time[-1] if self.time.size else 0.0
+        told = {
+            "case": f"{self.case.name} at {3.6 * self.case.scenario.speed:g} km/h, {spans} spans",
+            "status": f"{self.status}, {self.message}" if self.message else self.status,
+            "passage": f"{end:.2f} s in {self.time.size} samples",
+        }
+        for record in self.pantographs:
+            told[record.name] = f"uplift force {record.uplift_force:.1f} N"
+        told["computed with"] = str(self.counters.get("backend", "unknown"))
+        return told | ({"warnings": " ".join(self.warnings)} if self.warnings else {})
+
+    def to_xarray(self) -> Any:
+        """Return the histories as an ``xarray.Dataset`` over time, pantograph and support.
+
+        Values are in SI units, named in the attribute ``units`` of each.
+
+        Raises
+        ------
+        InputError
+            When xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise InputError(_MISSING.format("xarray")) from None
+        both = ("time", "pantograph")
+        histories: dict[str, tuple[tuple[str, str], NDArray[Any], str]] = {
+            name: (both, np.column_stack([getattr(p, name) for p in self.pantographs]), unit)
+            for name, unit in _HISTORIES.items()
+        }
+        histories["support_uplift"] = (("time", "support"), self.support_uplift, "m")
+        histories["dropper_force"] = (("time", "dropper"), self.dropper_force, "N")
+        shape = self.equilibrium
+        return xarray.Dataset(
+            {name: (axes, values, {"units": u}) for name, (axes, values, u) in histories.items()},
+            {
+                "time": ("time", self.time, {"units": "s"}),
+                "pantograph": [record.name for record in self.pantographs],
+                "support_x": ("support", shape.support_x, {"units": "m"}),
+                "dropper_x": ("dropper", shape.dropper_x, {"units": "m"}),
+            },
+            {"case": self.case.name, "status": self.status},
+        )
+
+    def to_pandas(self) -> Any:
+        """Return the histories of the pantographs as a ``pandas.DataFrame``, one row per sample.
+
+        Columns name pantograph, quantity and unit: ``("front", "contact_force [N]")``. Samples
+        before a pantograph has entered the line hold NaN.
+
+        Raises
+        ------
+        InputError
+            When pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise InputError(_MISSING.format("pandas")) from None
+        columns = {
+            (record.name, f"{name} [{unit}]"): np.where(
+                record.active, getattr(record, name), np.nan
+            )
+            for record in self.pantographs
+            for name, unit in _HISTORIES.items()
+        }
+        return pd.DataFrame(columns, index=pd.Index(self.time, name="time [s]"))
 
     def pantograph(self, name: str) -> PantographRecord:
         """Return the record of the named pantograph.

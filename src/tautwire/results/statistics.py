@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.plain import Plain, named, plain
+from tautwire.text import Told
 
 Array = NDArray[np.float64]
 
@@ -388,8 +389,8 @@ class DropperStatistics:
         ]
 
 
-@dataclass(frozen=True, eq=False)
-class RunStatistics:
+@dataclass(frozen=True, eq=False, repr=False)
+class RunStatistics(Told):
     """Result of :func:`tautwire.contact_statistics`.
 
     Attributes
@@ -427,6 +428,20 @@ class RunStatistics:
                 return entry
         names = ", ".join(entry.name for entry in self.pantographs)
         raise InputError(f"no pantograph named {name!r} in these statistics; there are: {names}")
+
+    def facts(self) -> dict[str, str]:
+        """Return the contact force of every pantograph and the largest uplift in words."""
+        first, last = self.section.first_span, self.section.last_span
+        told = {"case": f"{self.case_name} at {3.6 * self.speed:g} km/h, spans {first} to {last}"}
+        for entry in self.pantographs:
+            force, loss = entry.headline, entry.contact_loss
+            told[entry.name] = (
+                f"mean {force.mean:.1f} N, sigma {force.standard_deviation:.1f} N, "
+                f"{force.minimum:.0f} to {force.maximum:.0f} N (0 to {force.cutoff:g} Hz), "
+                f"{loss.count} losses of contact"
+            )
+        told["largest uplift"] = f"{1e3 * self.uplift.maximum:.1f} mm"
+        return told | ({"notes": " ".join(self.notes)} if self.notes else {})
 
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics as plain data for JSON (keys name their unit)."""

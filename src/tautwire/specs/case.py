@@ -22,6 +22,7 @@ from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 from tautwire.specs.upgrade import upgraded
+from tautwire.text import Told
 
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
@@ -44,7 +45,7 @@ class Source(Spec):
     )
 
 
-class Case(Spec):
+class Case(Told, Spec):
     """One simulation: line, wires, supports, droppers, pantographs, scenario, settings."""
 
     schema_version: Annotated[Literal[2], Typical("2")] = Field(
@@ -108,6 +109,21 @@ class Case(Spec):
     def dropper_sets(self) -> tuple[Droppers, ...]:
         """All sets of droppers."""
         return self.droppers if isinstance(self.droppers, tuple) else (self.droppers,)
+
+    def facts(self) -> dict[str, str]:
+        """Return line, wires, pantographs and speed in words."""
+        spans = self.line.span_lengths()
+        lengths = f"{min(spans):g} m" if min(spans) == max(spans) else (
+            f"{min(spans):g} to {max(spans):g} m"
+        )  # fmt: skip
+        wires = (f"{name} {1e-3 * wire.tension:g} kN" for name, wire in self.wires.named())
+        count = len(self.pantographs)
+        return {
+            "name": f"{self.name}, {self.title}" if self.title else self.name,
+            "line": f"{self.line.spans} spans of {lengths}",
+            "wires": ", ".join(wires),
+            "pantographs": f"{count} at {3.6 * self.scenario.speed:g} km/h",
+        }
 
     def hash(self) -> str:
         """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits."""

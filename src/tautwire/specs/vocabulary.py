@@ -11,6 +11,8 @@ from typing import Any
 
 PAGE = "Not modelled yet"
 """Title of the page of the documentation that lists what a case cannot describe."""
+_LETTERS = str.maketrans({"ø": "o", "æ": "ae", "œ": "oe"})
+"""Letters that Unicode does not take apart, as they are written without their keys."""
 
 
 @dataclass(frozen=True)
@@ -60,19 +62,23 @@ def meaning_of(word: str, above: str = "") -> Meaning | None:
     >>> meaning_of("Systemhöhe")
     Meaning(key='supports.encumbrance', feature='')
     """
-    plain = _plain(word)
-    places = [step for step in re.split(r"[.\[\]0-9]+", above) if step]
+    plain = folded(word)
+    places = [folded(step) for step in re.split(r"[.\[\]0-9]+", above) if step]
     spellings = [plain, *([plain[:-1]] if plain.endswith("s") else [])]
     keys = [f"{place}.{spelling}" for spelling in spellings for place in places] + spellings
     return next((found for key in keys if (found := _index().get(key)) is not None), None)
 
 
-def _plain(word: str) -> str:
-    """Write a word in lower case, without accents, with ``_`` between its parts."""
-    split = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", word.strip())
-    folded = unicodedata.normalize("NFKD", split.lower())
-    letters = "".join(letter for letter in folded if not unicodedata.combining(letter))
-    return re.sub(r"[\s\-./]+", "_", letters)
+def folded(word: str) -> str:
+    """Return a word for comparing: without case, accents, blanks and punctuation.
+
+    Examples
+    --------
+    >>> folded("Système-Height no."), folded("systemHøyde")
+    ('systemeheightno', 'systemhoyde')
+    """
+    plain = unicodedata.normalize("NFKD", word.casefold().translate(_LETTERS))
+    return "".join(letter for letter in plain if letter.isalnum())
 
 
 @lru_cache(maxsize=1)
@@ -88,7 +94,12 @@ def _content() -> dict[str, dict[str, list[str]]]:
 def _index() -> dict[str, Meaning]:
     """Return all meanings by word; of two meanings the feature goes first."""
     content = _content()
-    found = {word: Meaning(key=key) for key, words in content["keys"].items() for word in words}
+    found = {_place(w): Meaning(key=key) for key, words in content["keys"].items() for w in words}
     for feature, words in content["features"].items():
-        found |= {word: Meaning(feature=feature) for word in words}
+        found |= {_place(word): Meaning(feature=feature) for word in words}
     return found
+
+
+def _place(word: str) -> str:
+    """Return an entry of the file as it is looked up: each part folded."""
+    return ".".join(map(folded, word.split(".")))

@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 from tautwire.errors import InputError
+from tautwire.tables.columns import role_of
 from tautwire.tables.mapping import SheetMapping, Use
 from tautwire.tables.values import CellError, number_of, ratio_of, text_of
-from tautwire.tables.vocabulary import role_of
 
 MOST_PROBLEMS = 30
 """Cells of which a sheet complains before the rest is only counted."""

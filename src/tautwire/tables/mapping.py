@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tautwire.errors import InputError
+from tautwire.specs.vocabulary import folded
+from tautwire.tables.columns import KINDS, TEXT, Field, fields_of, split_heading
 from tautwire.tables.sheets import Sheet
 from tautwire.tables.values import unit_fits
-from tautwire.tables.vocabulary import KINDS, Field, folded, split_heading, vocabulary
 
 ASIDE = "aside"
 Side = Literal["left", "right"]
@@ -134,7 +135,7 @@ def apply_mapping(sheets: Sequence[Sheet], data: Any, label: str) -> list[SheetM
 
 def _matched(sheet: Sheet, row: int, kind: str) -> SheetMapping | None:
     uses, aside = [], []
-    fields = [field for field in vocabulary() if field.kind == kind]
+    fields = fields_of(kind)
     units = _units_below(sheet, row)
     for column, cell in enumerate(sheet.rows[row]):
         if not isinstance(cell, str):
@@ -159,10 +160,10 @@ def _units_below(sheet: Sheet, row: int) -> dict[int, str]:
     """Return the units of a row of units below the headings; nothing where there is none."""
     cells = sheet.rows[row + 1] if row + 1 < len(sheet.rows) else []
     texts = {i: c.strip("[]() ") for i, c in enumerate(cells) if isinstance(c, str)}
-    known = {"m", "mm", "cm", "km", "km+m", "n", "kn", "dan", "kgf", "kg/m", "-", "‰", "%"}
     if not texts or len(texts) < len([c for c in cells if c is not None]):
         return {}
-    if not all(text.lower() in known for text in texts.values()):
+    wanted = {field.unit for kind in KINDS for field in fields_of(kind) if field.unit != TEXT}
+    if not all(t == "-" or any(unit_fits(t, unit) for unit in wanted) for t in texts.values()):
         return {}
     return {i: text for i, text in texts.items() if text != "-"}
 
@@ -189,7 +190,7 @@ def _as_said(sheet: Sheet, entry: Any, label: str) -> SheetMapping:
         )
     row = sheet.numbers.index(row_number)
     columns = {str(cell): i for i, cell in enumerate(sheet.rows[row]) if cell is not None}
-    fields = {field.name: field for field in vocabulary() if field.kind == kind}
+    fields = {field.name: field for field in fields_of(kind)}
     uses, aside, problems = [], [], []
     for heading, said in (entry.get("columns") or {}).items():
         name = said.get("field") if isinstance(said, MappingType) else said

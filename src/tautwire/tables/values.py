@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 
+from tautwire.tables.columns import COUNT, TEXT
 from tautwire.tables.sheets import Cell
-from tautwire.tables.vocabulary import COUNT, TEXT
 from tautwire.units import UnitError, expectation, parse_quantity
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 NOTHING = ("", "-", "–", "—", "nan", "n/a", "k.a.", "k. a.", "s.o.", "n.d.", "无效")
 _KM_M = re.compile(r"([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)")
 _RATIO = {"‰": 1e-3, "per mille": 1e-3, "mm/m": 1e-3, "%": 1e-2}
-_SPOKEN = {"kg": "kgf", "kp": "kgf"}
+_SPOKEN = {"kg": "kgf", "lb": "lbf", "lbs": "lbf"}
 """Units of force as tables write them."""
 
 
@@ -39,7 +39,7 @@ def unit_fits(unit: str, wanted: str) -> bool:
 
 
 def spoken(unit: str, wanted: str) -> str:
-    """Return a unit as the program reads it; ``kg`` of a tension is a force."""
+    """Return a unit as the program reads it; ``kg`` and ``lb`` of a tension are forces."""
     return _SPOKEN.get(unit, unit) if wanted == "N" else unit
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from tautwire.analyses.road.bar import ProgressBar
 from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.shape import find_shape
@@ -24,6 +25,7 @@ def run(
     overrides: Mapping[str, Any] | None = None,
     backend: Choice | None = None,
     watch: Callable[[int, Progress], bool] | None = None,
+    progress: bool = False,
     **scenario: Any,
 ) -> Run:
     """Find the shape and simulate the passage, mean force tuned where the scenario asks for it.
@@ -38,6 +40,8 @@ def run(
         ``"auto"``, ``"native"`` or ``"reference"``; ``settings.backend`` by default.
     watch
         Called with the number of the passage (from 1) and its progress; True stops the run.
+    progress
+        Whether a bar shows how far each passage is, where nothing else watches.
     **scenario
         Fields of the scenario to replace: ``speed="275 km/h"``.
 
@@ -54,7 +58,10 @@ def run(
         chosen = make_case(case.to_dict(), changes) if changes else case
     else:
         chosen = load_case(case, changes)
-    return run_case(chosen, backend=backend, watch=watch)
+    if watch is not None or not progress:
+        return run_case(chosen, backend=backend, watch=watch)
+    with ProgressBar() as bar:
+        return run_case(chosen, backend=backend, watch=bar)
 
 
 def run_case(

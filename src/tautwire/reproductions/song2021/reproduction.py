@@ -238,14 +238,17 @@ def identify_readings(
     begin = time.perf_counter()
     own = Folder(Path(folder), workers, watch)
     own.compute("grid", identification.grid_study(), identification.TASK)
+    own.compute("trend", identification.trend_study(), identification.TASK)
     own.compute("elasticity", identification.static_study(), identification.STATIC_TASK)
     rows = own.rows()[0]
-    first = identification.judge(rows["grid"], rows["elasticity"], {})
-    own.compute("speeds", identification.speed_study(identification.finalists(first)),
-                identification.TASK)  # fmt: skip
+    first = identification.judge(rows["elasticity"], {**rows["grid"], **rows["trend"]})
+    best = identification.finalist_study(identification.finalists(first))
+    own.compute("finalists", best, identification.TASK)
     rows, missing = own.rows()
-    trials = identification.judge(rows["grid"], rows["elasticity"], rows["speeds"])
-    return Identification(trials, missing, _cost(rows, ("grid", "speeds"), begin))
+    kinds = ("grid", "trend", "finalists")
+    passages = {name: row for kind in kinds for name, row in rows[kind].items()}
+    trials = identification.judge(rows["elasticity"], passages)
+    return Identification(trials, missing, _cost(rows, kinds, begin))
 
 
 def _cost(

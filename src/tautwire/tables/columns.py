@@ -1,13 +1,14 @@
-"""What headings mean: the vocabulary file, and how a heading is compared with it."""
+"""What headings mean: the columns of tables, and the words of the trade that name them."""
 
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
+
+from tautwire.specs.vocabulary import folded, words_for
 
 TEXT, COUNT = "text", "#"
 KINDS = ("supports", "droppers", "wires")
@@ -21,8 +22,6 @@ class Field:
 
     Attributes
     ----------
-    kind : str
-        Kind of table.
     name : str
     unit : str
         SI unit, :data:`COUNT` or :data:`TEXT`.
@@ -30,18 +29,16 @@ class Field:
         What it is called, folded.
     """
 
-    kind: str
     name: str
     unit: str
     headings: frozenset[str]
 
 
-@lru_cache(maxsize=1)
-def vocabulary() -> tuple[Field, ...]:
-    """Return the fields of all kinds of table."""
+@lru_cache(maxsize=len(KINDS))
+def fields_of(kind: str) -> tuple[Field, ...]:
+    """Return the fields of a kind of table."""
     return tuple(
-        Field(kind, name, entry["unit"], frozenset(map(folded, (name, *entry["headings"]))))
-        for kind in KINDS
+        Field(name, entry["unit"], _headings(name, entry))
         for name, entry in _content()[kind].items()
     )
 
@@ -49,10 +46,8 @@ def vocabulary() -> tuple[Field, ...]:
 def role_of(text: str) -> str | None:
     """Return which wire a name in a table of wires means."""
     word = folded(text)
-    for role, names in _content()["roles"].items():
-        if word in map(folded, names):
-            return role
-    return None
+    roles = _content()["roles"].items()
+    return next((role for role, entry in roles if word in _headings(role, entry)), None)
 
 
 def split_heading(heading: str) -> tuple[str, str]:
@@ -61,15 +56,16 @@ def split_heading(heading: str) -> tuple[str, str]:
     return (heading[: match.start()], match.group(1)) if match else (heading, "")
 
 
-def folded(text: str) -> str:
-    """Return a text without case, accents, spaces and punctuation; camel case and _ are spaces."""
-    plain = unicodedata.normalize("NFKD", text.casefold())
-    return "".join(c for c in plain if c.isalnum() and not unicodedata.combining(c))
+def _headings(name: str, entry: dict[str, Any]) -> frozenset[str]:
+    """Return everything that a column may be called, folded."""
+    shared = words_for(entry["key"]) if "key" in entry else ()
+    barred = set(map(folded, entry.get("not", ())))
+    return frozenset(map(folded, (name, *shared, *entry.get("headings", ())))) - barred
 
 
 @lru_cache(maxsize=1)
 def _content() -> dict[str, Any]:
     import yaml
 
-    text = files("tautwire.tables").joinpath("vocabulary.yaml").read_text(encoding="utf-8")
+    text = files("tautwire.tables").joinpath("columns.yaml").read_text(encoding="utf-8")
     return yaml.safe_load(text)
