@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.numerics.track import Track
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import PantographRecord, Run, Snapshots
 from tautwire.specs.case import Case
@@ -91,6 +92,7 @@ def make_equilibrium(case: Case) -> Equilibrium:
     arms = np.arange(2, spans + 1)
     side = np.sign(stagger[1:-1])
     return Equilibrium(
+        track=Track.straight(),
         position=position.ravel(),
         cable_lengths=np.tile(np.diff(x), 2),
         node_s=np.repeat(x, 2),

@@ -66,7 +66,9 @@ def test_bending_is_the_derivative_of_the_tangent() -> None:
 def test_frames_are_orthonormal_and_continuous() -> None:
     """t, n, b form a right-handed frame, which turns by no jump at the joints of the pieces."""
     axes = WHOLE.frames(PLACES).axes
-    assert_allclose(axes @ np.swapaxes(axes, 1, 2), np.broadcast_to(np.eye(3), axes.shape), atol=1e-14)
+    assert_allclose(
+        axes @ np.swapaxes(axes, 1, 2), np.broadcast_to(np.eye(3), axes.shape), atol=1e-14
+    )
     assert_allclose(np.cross(axes[:, 0], axes[:, 1]), axes[:, 2], atol=1e-14)
     before, after = (WHOLE.frames(WHOLE.s[1:-1] + side * 1e-7) for side in (-1.0, 1.0))
     assert_allclose(before.axes, after.axes, atol=1e-8)
@@ -123,7 +125,9 @@ def test_rows_describe_what_pieces_do() -> None:
     height = 0.002 * s
     profile = [{"at": 0.0, "height": 0.0}, {"at": 1000.0, "height": 2.0}]
     wanted = curve(pieces=CURVE, profile=profile).frames(PLACES)
-    rising = TrackSpec(chainage=tuple(s), radius=tuple(radius), cant=tuple(cant), height=tuple(height))
+    rising = TrackSpec(
+        chainage=tuple(s), radius=tuple(radius), cant=tuple(cant), height=tuple(height)
+    )
     found = alignment(rising, LINE).frames(PLACES)
     assert_allclose(found.origin, wanted.origin, atol=1e-9)
     assert_allclose(found.axes, wanted.axes, atol=1e-12)

@@ -98,7 +98,9 @@ def _joined(s: Array, bends: Array, profile: tuple[Array, Array], rail_distance:
     middle = 0.5 * (ends[:-1] + ends[1:])
     own = np.clip(np.searchsorted(s, middle) - 1, 0, len(s) - 2)
     shares = (np.stack([ends[:-1], ends[1:]], axis=1) - s[own][:, None]) / np.diff(s)[own][:, None]
-    shares = np.where((middle < s[0])[:, None], 0.0, np.where((middle > s[-1])[:, None], 1.0, shares))
+    shares = np.where(
+        (middle < s[0])[:, None], 0.0, np.where((middle > s[-1])[:, None], 1.0, shares)
+    )
     first, last = bends[own, 0], bends[own, 1]
     both = first[:, None] + shares[..., None] * (last - first)[:, None]
     cubic = np.clip(np.searchsorted(heights, middle) - 1, 0, len(heights) - 2)

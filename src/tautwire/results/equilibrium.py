@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.track import Track
+from tautwire.numerics.elements.hermite import local_coordinate, position_row
+from tautwire.numerics.track import Frames, Track
 from tautwire.text import Told
 
 Array = NDArray[np.float64]
@@ -45,11 +47,82 @@ class WireShape:
         found = np.searchsorted(self.s, s, side="right") - 1
         return np.clip(found, 0, len(self.lengths) - 1)
 
-    def dofs(self, element: NDArray[np.int64], direction: int) -> NDArray[np.int64]:
-        """Return the coordinates (r1, r1', r2, r2') of some elements in a direction, ``(n, 4)``."""
-        left, right = self.nodes[element], self.nodes[element + 1]
-        ends = [6 * left, 6 * left + 3, 6 * right, 6 * right + 3]
-        return np.stack(ends, axis=-1) + direction
+    def dofs(self, element: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the degrees of freedom of r1, r1', r2, r2' of some elements, ``(n, 4, 3)``."""
+        ends = np.stack([self.nodes[element], self.nodes[element + 1]], axis=-1)
+        return (6 * ends[..., None] + np.arange(6)).reshape(*np.shape(element), 4, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class WirePoints:
+    """Points of wires where they pass through planes across the track.
+
+    Attributes
+    ----------
+    s : (n_point,) m
+        Places along the track.
+    frames : Frames
+        Of the track there.
+    dofs : (n_point, 4, 3)
+        Degrees of freedom of r1, r1', r2, r2' of the element that each point lies in.
+    rows : (n_point, 4)
+        Hermite row of each point: ``r = row @ (r1, r1', r2, r2')``.
+    """
+
+    s: Array
+    frames: Frames
+    dofs: NDArray[np.int64]
+    rows: Array
+
+    @classmethod
+    def joined(cls, groups: Sequence[WirePoints]) -> WirePoints:
+        """Return the points of some groups as one."""
+        s, dofs, rows = (
+            np.concatenate([getattr(g, name) for g in groups]) for name in ("s", "dofs", "rows")
+        )
+        origin, axes = (
+            np.concatenate([getattr(g.frames, name) for g in groups]) for name in ("origin", "axes")
+        )
+        return cls(s, Frames(origin, axes), dofs, rows)
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbouring points that are evenly spaced [m]."""
+        return float(self.s[1] - self.s[0])
+
+    def values(self, vectors: Array, direction: int = 2) -> Array:
+        """Return displacements, such as a mode shape, at the points in a direction of the track.
+
+        Parameters
+        ----------
+        vectors : (..., n_dof)
+        direction
+            0 along the track, 1 lateral, 2 normal to the plane of the rails.
+
+        Returns
+        -------
+        (..., n_point)
+        """
+        axes = self.frames.axes[:, direction]
+        return np.einsum("...pki,pk,pi->...p", vectors[..., self.dofs], self.rows, axes)
+
+    def heights(self, position: Array) -> Array:
+        """Return the heights of the points above the rails, ``(n_point,)`` [m].
+
+        Parameters
+        ----------
+        position : (n_dof,)
+            Nodal coordinates.
+        """
+        rails = np.sum(self.frames.axes[:, 2] * self.frames.origin, axis=1)
+        return self.values(position) - rails
+
+    def load(self, forces: Array, count: int) -> Array:
+        """Return forces that press the points away from the rails as nodal loads, ``(count,)``."""
+        load = np.zeros(count)
+        press = (forces[:, None] * self.rows)[..., None] * self.frames.axes[:, None, 2]
+        np.add.at(load, self.dofs, press)
+        return load
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -193,6 +266,16 @@ class Equilibrium(Told):
             When the line has no such wire.
         """
         return self.wires[self.wire_names.index(name)] if name in self.wire_names else _no(name)
+
+    def points(self, wire: WireShape, s: Array) -> WirePoints:
+        """Return the points of a wire at some places, ``(n_point,)`` [m]."""
+        element, frames = wire.element(s), self.track.frames(s)
+        dofs, lengths = wire.dofs(element), wire.lengths[element]
+        e = self.position[dofs]
+        e[:, ::2] -= frames.origin[:, None]
+        along = np.einsum("pki,pi->pk", e, frames.axes[:, 0])
+        rows = position_row(local_coordinate(along, lengths, 0.0), lengths)
+        return WirePoints(s, frames, dofs, rows)
 
     def of_role(self, role: str) -> tuple[WireShape, ...]:
         """Return the wires with a role."""

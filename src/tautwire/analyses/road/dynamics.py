@@ -157,7 +157,7 @@ class Simulation:
             yield Block(chunk.steps, chunk.coordinates, progress, chunk.crossings)
 
     def support_heights(self, steps: Sequence[StepBlock]) -> Array:
-        """Return the heights of the contact wires at their supports, ``(n_time, n_support)`` [m]."""
+        """Return the heights of contact wires at supports, ``(n_time, n_support)`` [m]."""
         count = len(self._supports.origin)
         found = _join([s.observed for s in steps], (3 * count,)).reshape(-1, count, 3)
         return self._supports.to_local(found)[..., 2]
@@ -296,7 +296,9 @@ def _collect(
         message=_message(status, time),
         time=time,
         pantographs=_records(simulation, steps, time),
-        support_uplift=(simulation.support_heights(steps) - shape.support_heights).astype(np.float32),
+        support_uplift=(simulation.support_heights(steps) - shape.support_heights).astype(
+            np.float32
+        ),
         dropper_force=_join([s.dropper_force for s in steps], (len(shape.dropper_x),)).astype(
             np.float32
         ),

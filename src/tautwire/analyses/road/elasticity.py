@@ -13,9 +13,8 @@ from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.measures import droppers_of_spans
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.statics.loaded_line import StaticSolver
-from tautwire.results.equilibrium import Elasticity, Equilibrium
+from tautwire.results.equilibrium import Elasticity, Equilibrium, WirePoints
 from tautwire.status import Status
 
 Array = NDArray[np.float64]
@@ -116,39 +115,16 @@ def _points(model: Model) -> list[_Point]:
     return [p for p in points if not (p.kind == "support" and p.span in held)]
 
 
-@dataclass(frozen=True, eq=False)
-class _Pressed:
-    """The contact wires under a head, as loads: degrees of freedom and Hermite rows, ``(n, 4)``."""
-
-    dofs: NDArray[np.int64]
-    rows: Array
-
-    def heights(self, q: Array) -> Array:
-        """Return the heights of the wires at the head, ``(n,)`` [m]."""
-        return np.sum(self.rows * q[self.dofs], axis=1)
-
-    def load(self, forces: Array, count: int) -> Array:
-        """Return vertical forces ``(n,)`` on the wires as nodal loads, ``(count,)``."""
-        load = np.zeros(count)
-        load[self.dofs] = forces[:, None] * self.rows
-        return load
-
-
-def _pressed(shape: Equilibrium, x: float) -> _Pressed:
+def _pressed(shape: Equilibrium, x: float) -> WirePoints:
     """Return the wires that a head touches: the lowest, and those at about its height."""
     level = float(shape.running_height(np.array(x)))
-    dofs, rows = [], []
-    for wire in shape.of_role("contact"):
-        if not wire.s[0] <= x <= wire.s[-1]:
-            continue
-        element = wire.element(np.array(x))
-        xi = (x - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
-        row = position_row(xi, wire.lengths[element])
-        own = wire.dofs(element, 2)
-        if row @ shape.position[own] <= level + TOGETHER:
-            dofs.append(own)
-            rows.append(row)
-    return _Pressed(np.array(dofs), np.array(rows))
+    points = [
+        shape.points(wire, np.array([x]))
+        for wire in shape.of_role("contact")
+        if wire.s[0] <= x <= wire.s[-1]
+    ]
+    near = [point for point in points if point.heights(shape.position)[0] <= level + TOGETHER]
+    return WirePoints.joined(near)
 
 
 def _flexibility(shape: Equilibrium, solver: StaticSolver, point: _Point, force: float) -> float:
@@ -181,7 +157,7 @@ def _named(point: _Point) -> str:
     return f"{point.kind} {point.index or ''} of span {point.span}, x = {point.x:.2f} m"
 
 
-def _lifted(wires: _Pressed, solver: StaticSolver, shares: Array, point: _Point) -> Array:
+def _lifted(wires: WirePoints, solver: StaticSolver, shares: Array, point: _Point) -> Array:
     """Return the heights of the wires under forces on them, ``(n,)`` [m]."""
     response = solver.solve(wires.load(shares, solver.size))
     if response.status is not Status.DONE:
@@ -192,10 +168,10 @@ def _lifted(wires: _Pressed, solver: StaticSolver, shares: Array, point: _Point)
     return wires.heights(response.position)
 
 
-def _linear_flexibility(wires: _Pressed, solver: StaticSolver) -> Array:
+def _linear_flexibility(wires: WirePoints, solver: StaticSolver) -> Array:
     """Return how the heights follow small forces with all droppers taut, ``(n, n)`` [m/N]."""
     units = np.eye(len(wires.rows))
-    columns = [wires.heights(solver.linear(wires.load(unit, solver.size))) for unit in units]
+    columns = [wires.values(solver.linear(wires.load(unit, solver.size))) for unit in units]
     return np.stack(columns, axis=1)
 
 

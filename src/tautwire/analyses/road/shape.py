@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
-from tautwire.line.closures import Held, upward
+from tautwire.line.closures import Held
 from tautwire.line.labels import place
 from tautwire.line.pieces import GivenHeight, GivenLength
 from tautwire.model.build import Model
@@ -314,18 +314,18 @@ def _pulls(model: Model, form: Form, held: Held) -> Array:
     wire = mesh.frames[nodes].to_local(form.system.position.reshape(-1, 6)[nodes, :3])
     offset = held.end - wire
     arm = offset * (held.force / np.linalg.norm(offset, axis=1))[:, None]
-    return np.where(np.isnan(held.force)[:, None], upward(held.preload), arm)
+    return np.where(np.isnan(held.force)[:, None], form.reactions.reshape(-1, 6)[nodes, :3], arm)
 
 
 def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     """Return the sum of the vertical forces from anchors, springs and far ends of the arms [N]."""
     mesh, line, gravity = model.mesh, model.line, model.case.line.gravity
-    upward = mesh.frames.turned(form.reactions.reshape(-1, 6)[:, :3])[:, 2]
+    vertical = mesh.frames.turned(form.reactions.reshape(-1, 6)[:, :3])[:, 2]
     whole = [strand for strand in mesh.strands if strand.run.start.kind != "clamped"]
-    total = float(upward[np.concatenate([strand.nodes[[0, -1]] for strand in whole])].sum())
+    total = float(vertical[np.concatenate([strand.nodes[[0, -1]] for strand in whole])].sum())
     tensions = np.array([strand.run.wire.tension for strand in whole])
     total += float(tensions @ mesh.frames.axes[[strand.nodes[-1] for strand in whole], 0, 2])
-    total += float(upward[mesh.nodes(piece.at for piece in line.suspensions)].sum())
+    total += float(vertical[mesh.nodes(piece.at for piece in line.suspensions)].sum())
     frames = mesh.frames[mesh.nodes(piece.at for piece in line.registrations)]
     total += float(np.nansum(frames.turned(_pulls(model, form, held))[:, 2]))
     weights = np.array([piece.kind.carried_weight(gravity) for piece in line.registrations])

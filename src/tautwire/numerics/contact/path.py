@@ -95,7 +95,7 @@ class ContactWirePath:
         slope = float(rate @ local[:, 2]) / float(rate @ local[:, 0])
         t, _, b = plane.axes
         dofs = (6 * ends[:, None] + np.arange(6)).reshape(4, 3)
-        push, gradient = np.outer(row, b), np.outer(row, b - slope * t)
+        push, gradient = row[:, None] * b, row[:, None] * (b - slope * t)
         return ContactPoint(element, xi, height, lateral, dofs, row, push, gradient)
 
     def _find_element(self, r: Array, plane: Frames, hint: int) -> int | None:

@@ -134,7 +134,9 @@ class Line(Spec):
         gap = given[span + 1] - given[span]
         if way < 0.0 or gap <= 0.0:
             return s[span] + way
-        return s[span + 1] + way - gap if way > gap else s[span] + way / gap * (s[span + 1] - s[span])
+        return (
+            s[span + 1] + way - gap if way > gap else s[span] + way / gap * (s[span + 1] - s[span])
+        )
 
     def place_of_support(self, index: int) -> str:
         """Name a support by its mast and chainage, as in "mast 4/12, km 12.624"; or nothing."""

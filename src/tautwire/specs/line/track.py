@@ -112,6 +112,7 @@ class Track(Spec):
     """
 
     table_columns: ClassVar[tuple[str, ...]] = ("chainage", "radius", "cant", "height")
+    optional_columns: ClassVar[tuple[str, ...]] = ("radius", "cant", "height")
 
     pieces: tuple[TrackPiece, ...] = Field(
         default=(), description="Straights, transitions and arcs, one after the other."
@@ -313,7 +314,9 @@ def check_track(line: Line, track: Track, pantographs: Sequence[Pantograph]) -> 
     start = min(stretch.start for stretch in stretches)
     end = max(stretch.end for stretch in stretches)
     if start > _SAME_PLACE or end < length - _SAME_PLACE:
-        what = f"reaches from {start:.6g} m to {end:.6g} m of the line, which is {length:.6g} m long"
+        what = (
+            f"reaches from {start:.6g} m to {end:.6g} m of the line, which is {length:.6g} m long"
+        )
         text = f"{what}; describe the track from support 1 to support {line.spans + 1}"
         return [Problem(("track", "pieces" if track.pieces else "chainage"), text)]
     head = min(pantograph.head_length for pantograph in pantographs)
