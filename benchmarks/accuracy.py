@@ -42,11 +42,11 @@ def both(case: tw.Case) -> Iterator[StepBlock]:
     plan = plan_passage(model, shape, case.uplift_forces())
     system = equations(model, shape)
     settings = case.settings
-    steps = round(plan.duration / settings.time_step)
+    steps = round(plan.duration / settings.step())
     for full_newton, tolerance in ((False, settings.tolerance), (True, TIGHT)):
         options = StepOptions(
             Newmark(),
-            settings.time_step,
+            settings.step(),
             settings.contact_stiffness,
             tolerance=tolerance,
             full_newton=full_newton,

@@ -115,12 +115,12 @@ def with_tautwire(elements: int, seconds: float) -> tuple[History, Case]:
     level = replace(given, start_height=5.3, stage_forces=lift)
     q, start = in_balance(system, level, settings.contact_stiffness)
     options = StepOptions(
-        Newmark(), settings.time_step, settings.contact_stiffness, tolerance=settings.tolerance
+        Newmark(), settings.step(), settings.contact_stiffness, tolerance=settings.tolerance
     )
     stepper = make_stepper(system, [start], options, np.empty(0, dtype=np.int64))
     stepper.start_from(q, np.zeros_like(q))  # type: ignore[attr-defined]
     begin = time.process_time()
-    block = stepper.advance(round(seconds / settings.time_step))
+    block = stepper.advance(round(seconds / settings.step()))
     spent = time.process_time() - begin
     return History(block.time, block.contact_force[:, 0], spent / seconds, len(block.time)), case
 

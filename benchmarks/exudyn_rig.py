@@ -87,7 +87,7 @@ class ExudynLine:
         scheme.generalizedAlpha.spectralRadius = 1.0
         scheme.adaptiveStep = False
         scheme.endTime = seconds
-        scheme.numberOfSteps = round(seconds / self._case.settings.time_step)
+        scheme.numberOfSteps = round(seconds / self._case.settings.step())
         self._mbs.SetPreStepUserFunction(self._before_step)
         self._mbs.SetPostStepUserFunction(self._after_step)
         self._mbs.SolveDynamic(settings)

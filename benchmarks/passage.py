@@ -37,7 +37,7 @@ def prepare(spans: int, nodes: int, backend: str) -> tuple[Stepper, int]:
     pantographs = plan_passage(model, shape, case.uplift_forces()).pantographs
     settings = case.settings
     options = StepOptions(
-        Newmark(), settings.time_step, settings.contact_stiffness, tolerance=settings.tolerance
+        Newmark(), settings.step(), settings.contact_stiffness, tolerance=settings.tolerance
     )
     observed = 6 * model.mesh.nodes(at for _, at in model.line.contact_supports) + 2
     stepper = make_stepper(system, pantographs, options, observed, backend)  # type: ignore[arg-type]

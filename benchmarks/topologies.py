@@ -111,7 +111,7 @@ def main() -> None:
         contact = system.position.reshape(-1, 6)[system.paths[0].nodes]
         height = float(np.interp(START, contact[:, 0], contact[:, 2]))
         pantograph = under_way(START, height, given.speed / 3.6)
-        options = StepOptions(Newmark(), 1e-3, 5e4)
+        options = StepOptions(Newmark(), 1e-3, 5e4, tolerance=3e-8)
         stepper = make_stepper(system, (pantograph,), options, np.array([2]), "native")
         stepper.advance(WARM_UP)
         sweeps, spent = stepper.counters.iterations, []

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
-from tautwire.analyses.road.shape import find_shape
+from tautwire.analyses.road.shape import RESIDUAL, find_shape
 from tautwire.model.build import Model, build
 from tautwire.model.equations import equations
 from tautwire.model.passage import plan_passage
@@ -33,9 +32,8 @@ CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 
 def stretch_under(tension: float, axial_stiffness: float) -> float:
     """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
-    return float(
-        brentq(lambda s: 0.5 * axial_stiffness * (s * s - 1.0) * s - tension, 1.0, 10.0, xtol=1e-16)
-    )
+    roots = np.roots([0.5 * axial_stiffness, 0.0, -0.5 * axial_stiffness, -tension])
+    return float(roots.real.max())
 
 
 def empty_system(node_count: int) -> System:
@@ -141,7 +139,7 @@ def hang(system: System, gravity: float) -> Form:
         gravity=gravity,
         taut=np.empty(0, dtype=bool),
     )
-    return find_form(problem)
+    return find_form(problem, RESIDUAL)
 
 
 def kinetic_energy(system: System, v: Array) -> float:
@@ -273,7 +271,7 @@ def passage(
     settings = case.settings
     return stepper(
         system,
-        settings.time_step,
+        settings.step(),
         integrator=integrator,
         pantographs=plan_passage(model, shape, case.uplift_forces()).pantographs,
         observed=6 * model.mesh.nodes(at for _, at in model.line.contact_supports) + 2,

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.force.statistics import contact_statistics
     from tautwire.analyses.road.dynamics import iterate, simulate
     from tautwire.analyses.road.elasticity import elasticity
+    from tautwire.analyses.road.operate import operate
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.vibration.modes import modes
@@ -75,6 +76,7 @@ __all__ = [
     "load_run",
     "load_study",
     "modes",
+    "operate",
     "run",
     "run_study",
     "save_equilibrium",
@@ -111,6 +113,7 @@ _HOMES = {
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
     "modes": "tautwire.analyses.vibration.modes",
+    "operate": "tautwire.analyses.road.operate",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -40,7 +40,7 @@ _TEXT = {
     ),
     Status.NOT_CONVERGED: (
         "The equilibrium iteration did not reach its tolerance.",
-        "Try a smaller settings.time_step, a finer mesh (settings.nodes_between_droppers), "
+        "Try a smaller settings.time_step, a finer mesh (settings.longest_element), "
         "or check the input for an extreme stiffness, tension or force.",
     ),
     Status.SINGULAR: (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 
@@ -14,6 +15,21 @@ _TURNING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 """Marks that turn the direction of what follows, so that a text reads otherwise than it is."""
 _WHITE = "\t\n\r"
 _ACTING = ("=", "+", "-", "@", "\t", "\r")
+
+
+LONGEST_NAME = 60
+"""Characters of a name: it stands in columns of tables and in names of files."""
+
+
+def as_name(text: str) -> str:
+    """Return a text as a name that file systems, tables and command lines take.
+
+    Examples
+    --------
+    >>> as_name("Linie 4/2 (neu)")
+    'Linie-4-2--neu-'
+    """
+    return re.sub(r"[^A-Za-z0-9._+-]", "-", text)[:LONGEST_NAME]
 
 
 def unprintable(text: str) -> str:

@@ -23,12 +23,13 @@ class UnitError(ValueError):
 
 
 class Dimension(NamedTuple):
-    """Exponents of mass, length, time and plane angle."""
+    """Exponents of mass, length, time, plane angle and difference of temperature."""
 
     mass: int = 0
     length: int = 0
     time: int = 0
     angle: int = 0
+    warming: int = 0
 
     def times(self, other: Dimension, power: int = 1) -> Dimension:
         """Return the dimension of ``self * other**power``."""
@@ -61,8 +62,7 @@ _PREFIXED = {
     "Pa": Unit(1.0, Dimension(1, -1, -2)),
     "Hz": Unit(1.0, Dimension(time=-1)),
 }
-_POUND = 0.45359237
-_GRAVITY = 9.80665
+_POUND, _GRAVITY = 0.45359237, 9.80665
 """Avoirdupois pound [kg] and standard gravity [m/s^2], exact: NIST SP 811, appendix B."""
 _PLAIN = {
     "in": Unit(0.0254, Dimension(length=1)),
@@ -74,6 +74,7 @@ _PLAIN = {
     "kip": Unit(1e3 * _POUND * _GRAVITY, _FORCE),
     "min": Unit(60.0, Dimension(time=1)),
     "h": Unit(3600.0, Dimension(time=1)),
+    "K": Unit(1.0, Dimension(warming=1)),
     "kgf": Unit(_GRAVITY, _FORCE),
     "kp": Unit(_GRAVITY, _FORCE),
     "kph": Unit(1.0 / 3.6, Dimension(0, 1, -1)),
@@ -83,6 +84,10 @@ _PLAIN = {
     "deg": Unit(math.pi / 180.0, Dimension(angle=1)),
     "°": Unit(math.pi / 180.0, Dimension(angle=1)),
 }
+TEMPERATURE = "degC"
+"""Unit in which temperatures are held; a difference of temperatures is in K."""
+_TEMPERATURES = {"degC": (0.0, 1.0), "°C": (0.0, 1.0), "degF": (32.0, 1.8), "°F": (32.0, 1.8)}
+"""Temperature that is 0 degC, and degrees per degC: units that only a temperature can have."""
 _PREFIXES = {
     "n": 1e-9,
     "u": 1e-6,
@@ -103,6 +108,9 @@ _KINDS = {
     "kg": ("a mass", "0.165 kg"),
     "N": ("a force", "22 kN"),
     "rad": ("an angle", "10 deg"),
+    "degC": ("a temperature", "35 degC"),
+    "K": ("a difference of temperatures", "20 K"),
+    "1/K": ("a thermal expansion", "17e-6 1/K"),
     "1/s": ("a rate", "0.0125 1/s"),
     "1/m": ("a wavenumber", "0.5 1/m"),
     "m^3": ("a spectral density", "1e-7 m^3"),
@@ -119,7 +127,9 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", re.D
 _TOKEN = re.compile(r"(\s+)|([A-Za-zµμ°]+)|([0-9]+)|(\*\*|[\^*·⋅/()-])|([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _MAX_LENGTH = 100
+"""Characters of a unit; the longest that means anything has about twenty."""
 _MAX_EXPONENT = 9
+"""Exponents have one digit; 4 is the highest in mechanics of wires."""
 
 
 def parse_quantity(value: object, unit: str) -> float:
@@ -170,6 +180,8 @@ def parse_unit(text: str) -> Unit:
 
 def to_unit(value: float, unit: str) -> float:
     """Express an SI value in another unit of the same dimension, for people to read."""
+    if unit == TEMPERATURE:
+        return value
     return value / parse_unit(unit).factor
 
 
@@ -193,6 +205,8 @@ def _parse_text(text: str, unit: str) -> float:
         )
     if not symbol:
         return _finite(float(digits), text, unit)
+    if unit == TEMPERATURE:
+        return _finite(_temperature(text, digits, symbol), text, unit)
     try:
         given = parse_unit("1" + symbol if symbol.startswith("/") else symbol)
     except UnitError as error:
@@ -204,6 +218,14 @@ def _parse_text(text: str, unit: str) -> float:
             f"expected {expectation(unit)}{_as_force(text, symbol, expected)}"
         )
     return _finite(_scaled(digits, given.factor), text, unit)
+
+
+def _temperature(text: str, digits: str, symbol: str) -> float:
+    """Return a temperature [degC]; what is no unit of a temperature is refused."""
+    if symbol not in _TEMPERATURES:
+        raise UnitError(f"got {shown(text)}; expected {expectation(TEMPERATURE)}")
+    zero, size = _TEMPERATURES[symbol]
+    return (float(digits) - zero) / size
 
 
 def _as_force(text: str, symbol: str, expected: Unit) -> str:
@@ -234,7 +256,10 @@ def _finite(number: Real | float, given: object, unit: str) -> float:
 
 def _kind_of(dimension: Dimension) -> str:
     for unit, (kind, _) in _KINDS.items():
-        if (parse_unit(unit).dimension if unit else Dimension()) == dimension:
+        if (
+            unit != TEMPERATURE
+            and (parse_unit(unit).dimension if unit else Dimension()) == dimension
+        ):
             return kind
     return "another kind of quantity"
 
@@ -312,6 +337,8 @@ class _UnitParser:
             base = _PREFIXED.get(token.removeprefix(prefix))
             if token.startswith(prefix) and base is not None:
                 return Unit(scale * base.factor, base.dimension)
+        if token in _TEMPERATURES:
+            self._fail(f"{token!r} is a temperature; a difference of temperatures is in K")
         if token.isalpha() or token == "°":
             self._fail(f"unknown unit symbol {token!r}")
         self._fail(f"unexpected {token!r}" if token else "the unit ends too early")

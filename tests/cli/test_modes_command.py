@@ -58,7 +58,7 @@ def test_modes_by_wavelength(invoke: Invoke, tmp_path: Path) -> None:
         (["--count", "0"], "count: got 0"),
         (["--wavelength", "3 kg"], "which is a mass"),
         (["--wavelength", "XX/2"], "name of a length of the line: span, DD, SD, DD/2"),
-        (["--wavelength", "0.5"], "nodes_between_droppers"),
+        (["--wavelength", "0.5"], "longest_element"),
     ],
 )
 def test_wrong_requests(invoke: Invoke, arguments: list[str], words: str) -> None:

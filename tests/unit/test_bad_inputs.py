@@ -34,7 +34,7 @@ BAD_VALUES = {
     ),
     "unknown key without likeness": (
         "settings: {xyz: 1}",
-        ["settings.xyz: unknown key; known here are: contact_stiffness, nodes_between_droppers"],
+        ["settings.xyz: unknown key; known here are: contact_stiffness, band"],
     ),
     "key below a value": (
         "settings: {time_step: {value: 1 ms}}",
@@ -577,7 +577,7 @@ def test_encumbrance_too_small(tmp_path: Path) -> None:
     shape = find_shape(build(cured))
     assert 0.04 < shape.dropper_lengths.min() < 0.08
     expected = dropper_lengths(
-        cured.line, cured.wires, cured.droppers, cured.supports.encumbrances(4)[:2], 1
+        cured.line, cured.wires, cured.dropper_sets[0], cured.supports.encumbrances(4)[:2], 1
     )
     assert shape.dropper_lengths[5:10] == pytest.approx(expected, abs=0.015)
 

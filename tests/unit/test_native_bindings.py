@@ -30,7 +30,7 @@ MEASURES = (
     "path_stiffness",
 )
 """Arrays whose length is a count of the line, by which others are measured."""
-OPTIONS = StepOptions(Newmark(), 1e-3, 2e5)
+OPTIONS = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
 
 
 def single(array: Array) -> Array:

@@ -40,6 +40,7 @@ def test_wire_by_name(tmp_path: Path) -> None:
 def test_further_keys_change_the_entry(tmp_path: Path) -> None:
     """A number given beside 'use' wins, and the entry's source for it is dropped."""
     case = load_case(write(tmp_path, "wires: {messenger: {use: BzII-70, mass: 0.62 kg/m}}"))
+    assert case.wires.messenger is not None
     assert case.wires.messenger.mass == 0.62
     assert case.wires.messenger.tension == 16e3
     paths = {source.path for source in case.sources}
@@ -51,6 +52,7 @@ def test_rope_that_slips(tmp_path: Path) -> None:
     """'bending_stiffness: slip' takes the other value of a rope, with its own origin."""
     text = "wires: {messenger: {use: BzII-120, bending_stiffness: slip}}"
     case = load_case(write(tmp_path, text))
+    assert case.wires.messenger is not None
     assert case.wires.messenger.bending_stiffness == pytest.approx(6.478, abs=1e-3)
     assert "slip" in origin(case, "wires.messenger.bending_stiffness").source
 
@@ -65,7 +67,8 @@ def test_benchmark_by_name_is_the_benchmark(tmp_path: Path) -> None:
     case, original = load_case(write(tmp_path, text)), load_case("ac-simple")
     for part in ("contact", "messenger"):
         ours, theirs = (getattr(c.wires, part).to_dict() for c in (case, original))
-        assert ours == pytest.approx(theirs)
+        stated = {name: value for name, value in theirs.items() if value is not None}
+        assert {name: ours[name] for name in stated} == pytest.approx(stated)
     assert case.droppers == original.droppers
     assert case.pantographs == original.pantographs
 

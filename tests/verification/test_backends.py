@@ -27,6 +27,7 @@ from tautwire.numerics.motion.stepper import (
     reachable_tolerance,
 )
 from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.specs.line.dropper import Droppers
 from tautwire.status import Status
 
 from ..lines import ac_simple, entering, moved, straight_wire
@@ -68,7 +69,8 @@ def passage(choice: Any, case: dict[str, Any], **options: Any) -> tuple[StepBloc
     system, pantographs = entering(ac_simple(**case))
     if roof is not None:
         pantographs = tuple(moved(p, roof=roof) for p in pantographs)
-    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 2e5} | options
+    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 2e5}
+    chosen |= {"tolerance": 3e-8} | options
     stepper = backend.make_stepper(
         system, pantographs, StepOptions(**chosen), np.array([2, 14]), choice
     )
@@ -107,7 +109,9 @@ def test_same_passage(name: str) -> None:
     np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(native.gap, reference.gap, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(native.stages, reference.stages, rtol=0.0, atol=1e-10)
-    stiffness = ac_simple(**case).droppers.stiffness.of_length(1.0)
+    droppers = ac_simple(**case).droppers
+    assert isinstance(droppers, Droppers)
+    stiffness = droppers.stiffness.of_length(1.0)
     forces = native.dropper_force, reference.dropper_force
     np.testing.assert_allclose(*forces, rtol=0.0, atol=2e-10 * stiffness)
     np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-10)
@@ -126,7 +130,7 @@ def test_state_that_is_not_finite_is_an_error() -> None:
     """A state that blows up ends with a status, never with a force of zero."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))
     system = system.with_(load=np.where(np.arange(system.dof_count) == 302, np.nan, system.load))
-    options = StepOptions(Newmark(), 1e-3, 2e5)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
     stepper = backend.make_stepper(system, pantographs, options, np.array([2]), "native")
     assert stepper.advance(3).status in (Status.NOT_FINITE, Status.NOT_CONVERGED)
 
@@ -136,7 +140,7 @@ def test_leaving_the_wire_is_told() -> None:
     system, pantographs = entering(ac_simple(**TWO_SPANS))
     end = system.position[6 * system.paths[0].nodes[-1]]
     late = tuple(moved(p, start_x=float(end) - 0.5) for p in pantographs)
-    options = StepOptions(Newmark(), 1e-3, 2e5)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
     for choice in ("native", "reference"):
         stepper = backend.make_stepper(system, late, options, np.array([2]), choice)  # type: ignore[arg-type]
         block = stepper.advance(50)
@@ -202,7 +206,7 @@ def test_native_is_refused_where_it_cannot_compute() -> None:
         nodes=np.where(system.cables.nodes == [[39, 40]], [[38, 40]], system.cables.nodes)
     )
     system = system.with_(cables=branch)
-    options = StepOptions(Newmark(), 1e-3, 2e5)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
     with pytest.raises(
         InputError, match="'native' cannot compute this line, because a node has two"
     ):
@@ -256,7 +260,7 @@ def test_advised_step_runs(nodes: int) -> None:
     step = 1e-3 * float(found[1])
     assert step > 3e-3
     system, pantographs = entering(case)
-    options = StepOptions(Newmark(), step, 2e5)
+    options = StepOptions(Newmark(), step, 2e5, tolerance=3e-8)
     stepper = backend.make_stepper(system, pantographs, options, np.array([2]), "native")
     steps = round(1.0 / step)
     assert len(stepper.advance(steps).time) == steps
@@ -269,7 +273,7 @@ def test_full_newton_alike() -> None:
     """
     case = load_case("ac-simple", {"line.spans": 4, "settings.section": (2, 2)})
     system, pantographs = entering(case)
-    options = StepOptions(Newmark(), 3e-3, 2e5, full_newton=True)
+    options = StepOptions(Newmark(), 3e-3, 2e5, tolerance=3e-8, full_newton=True)
     counts = []
     for choice in ("native", "reference"):
         stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)  # type: ignore[arg-type]
@@ -282,7 +286,7 @@ def test_full_newton_alike() -> None:
 def test_rewound_integration_repeats_itself(choice: Any) -> None:
     """After going back to a mark the same steps follow, to the last bit."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))
-    options = StepOptions(Newmark(), 1e-3, 2e5)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
     stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)
     stepper.advance(20)
     mark = stepper.mark()
@@ -331,7 +335,7 @@ def test_wave_stiffening() -> None:
 def test_stop_before_contact_changes(choice: Any) -> None:
     """Asked to, the integration stops before the step in which contact begins or ends."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))
-    options = StepOptions(Newmark(), 1e-3, 2e5)
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
     whole = backend.make_stepper(system, pantographs, options, np.array([2]), choice).advance(100)
     touching = whole.gap[:, 0] < 0.0
     change = int(np.flatnonzero(touching[1:] != touching[:-1])[0]) + 1

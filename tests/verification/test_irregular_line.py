@@ -270,7 +270,7 @@ def test_step_control_of_the_case_is_recorded() -> None:
     )
     model = tw.build(case)
     stepping = Simulation(model, tw.find_shape(model)).stepping
-    assert stepping == tw.AdaptiveStep(1e-3, tolerance=0.05e-3)
+    assert stepping == tw.AdaptiveStep(1e-3, tolerance=0.05e-3, most_losses=500)
     counters = rough("adaptive").counters
     assert counters["step_control"].startswith("adaptive step from 0.5 ms")
     assert counters["windows"] > 0

@@ -213,7 +213,7 @@ def test_wavelength_below_the_mesh_is_refused(
 ) -> None:
     """A wavelength that two elements cannot show is refused, with the cure."""
     model, shape, _ = short_line
-    with pytest.raises(InputError, match="nodes_between_droppers"):
+    with pytest.raises(InputError, match="longest_element"):
         modes_sensitive_to(model, shape, 1.0)
 
 

@@ -25,7 +25,8 @@ STEPS = 150
 def run(name: str, choice: Any, steps: int = STEPS, **options: Any) -> tuple[Any, Any]:
     """Return histories and stepper of a pantograph under a line."""
     system = TOPOLOGIES[name]().system()
-    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 5e4} | options
+    chosen = {"integrator": Newmark(), "time_step": 1e-3, "contact_stiffness": 5e4}
+    chosen |= {"tolerance": 3e-8} | options
     observed = np.arange(1, system.dof_count, 41)
     stepper = backend.make_stepper(system, (under_way(),), StepOptions(**chosen), observed, choice)
     return stepper.advance(steps), stepper
@@ -62,7 +63,7 @@ def test_few_sweeps(name: str) -> None:
     system = hanging(TOPOLOGIES[name]().system())
     wire = system.position.reshape(-1, 6)[system.paths[0].nodes]
     given = under_way(22.0, float(np.interp(22.0, wire[:, 0], wire[:, 2])), velocity=60.0)
-    options = StepOptions(Newmark(), 1e-3, 5e4)
+    options = StepOptions(Newmark(), 1e-3, 5e4, tolerance=3e-8)
     stepper = backend.make_stepper(system, (given,), options, np.array([2]), "native")
     block = stepper.advance(400)  # until well before the anchored end
     counters = stepper.counters

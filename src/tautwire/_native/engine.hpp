@@ -8,7 +8,7 @@ namespace tautwire {
 
 // How an axial force may act.
 enum class Law : std::int64_t { both_ways = 0, tension_only = 1, compression_only = 2 };
-inline constexpr int kLaws = 3;
+inline constexpr int kLaws = 3;  // the laws above
 
 // The line. Nodes are numbered wire after wire, each from left to right; node i and i + 1 are joined
 // by cable i, which has no stiffness and no mass where a wire ends. Arrays are only read while an

@@ -20,6 +20,7 @@ from tautwire.specs.case import Case
 from tautwire.specs.scenario import TUNING_TOLERANCE
 
 _ROUNDING = 1e-6
+"""Force by which sums differ from the limit they were aimed at [N]."""
 _PUBLISHED_AS = {"mean": "mean", "standard_deviation": "std_0_20", "maximum": "maximum"}
 """Names of limited quantities among those of published results, all in newtons."""
 

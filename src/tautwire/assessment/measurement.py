@@ -24,6 +24,7 @@ from tautwire.signals.filters import Lowpass, SharpLowpass, evenly_spaced, is_un
 Array = NDArray[np.float64]
 
 _BANDS = ((0.0, 5.0), (5.0, 20.0))
+"""Bands that are compared [Hz], those of EN 50318:2018 as remembered."""
 _UNITS = {"uplift": "m", "contact_height_range": "m"}
 _LARGE_STEP = 3.0
 """A step longer than so many median steps is reported as a hole in the measurement."""
@@ -230,7 +231,7 @@ def _simulated_track(run: Run, name: str, lowpass: Lowpass) -> _Track:
     if force.time.size < 2:
         raise InputError(f"pantograph {name!r} never entered the line; nothing to compare")
     columns = np.column_stack([force.position, force.force])
-    time, values = evenly_spaced(force.time, columns, run.case.settings.time_step)
+    time, values = evenly_spaced(force.time, columns, run.case.settings.step())
     try:
         forces = _filtered(values[:, 1], float(time[1] - time[0]), lowpass)
     except ValueError as error:

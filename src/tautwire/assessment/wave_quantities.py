@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals, span_lengths
-from tautwire.model.mesh import element_lengths
+from tautwire.line.pieces import Line
+from tautwire.model.preflight import SPEED_SHARE
+from tautwire.model.resolution import resolution
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 
@@ -102,7 +104,8 @@ def wave_quantities(case: Case) -> tuple[WaveQuantity, ...]:
         Wave speeds, speed ratio, Doppler, reflection and amplification factors, mid-span
         elasticity, resonance on the contact spring, passing frequencies.
     """
-    return (*_wave_rows(case), *_static_rows(case), *_passing_rows(case))
+    line = expand(case)
+    return (*_wave_rows(case), *_static_rows(case, line), *_passing_rows(case, line))
 
 
 def _wave_rows(case: Case) -> list[WaveQuantity]:
@@ -116,7 +119,9 @@ def _wave_rows(case: Case) -> list[WaveQuantity]:
         name = "wave speed of the messenger wire"
         rows.append(WaveQuantity(name, speed_above, "m/s", "sqrt(T/m)"))
     rows += [
-        WaveQuantity("0.7 of the wave speed", 0.7 * wave, "m/s", "0.7 c"),
+        WaveQuantity(
+            f"{SPEED_SHARE:g} of the wave speed", SPEED_SHARE * wave, "m/s", f"{SPEED_SHARE:g} c"
+        ),
         WaveQuantity("speed over wave speed", speed / wave, "1", "v/c"),
         WaveQuantity("Doppler factor", doppler, "1", "(c - v)/(c + v)"),
     ]
@@ -133,10 +138,10 @@ def _wave_rows(case: Case) -> list[WaveQuantity]:
     return rows
 
 
-def _static_rows(case: Case) -> list[WaveQuantity]:
+def _static_rows(case: Case, line: Line) -> list[WaveQuantity]:
     contact = sum(wire.tension for _, wire in case.wires.of_role("contact"))
     above = sum(wire.tension for _, wire in case.wires.of_role("messenger", "auxiliary"))
-    longest = max(span_lengths(expand(case)))
+    longest = max(span_lengths(line))
     rows = [
         WaveQuantity(
             "mid-span elasticity, estimate",
@@ -159,15 +164,15 @@ def _static_rows(case: Case) -> list[WaveQuantity]:
     return rows
 
 
-def _passing_rows(case: Case) -> list[WaveQuantity]:
+def _passing_rows(case: Case, line: Line) -> list[WaveQuantity]:
     speed = case.scenario.speed
     rows = []
-    for name, length in passing_lengths(case).items():
+    for name, length in _passing_lengths(case, line).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
-    element, _ = element_lengths(expand(case), case.settings)
+    element = resolution(case, line).longest
     rows.append(
         WaveQuantity(
-            "passing of the shortest element (numerical)",
+            "passing of the longest element of the contact wire (numerical)",
             speed / element,
             "Hz",
             f"v/{element:g} m",
@@ -190,9 +195,13 @@ def passing_lengths(case: Case) -> dict[str, float]:
     dict of str to float m
         Keys ``span``, ``dropper interval`` (the most frequent one), ``support-dropper interval``.
     """
+    return _passing_lengths(case, expand(case))
+
+
+def _passing_lengths(case: Case, line: Line) -> dict[str, float]:
     first, last = case.resolved_section()
     middle = (first + last) // 2
-    found = intervals(expand(case), middle, middle)
+    found = intervals(line, middle, middle)
     lengths = {"span": found.spans[0]}
     if found.between:
         rounded = [round(value, 6) for value in found.between]

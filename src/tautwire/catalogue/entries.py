@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Literal
 
 from tautwire.errors import InputError, cure_of
-from tautwire.text import shortened
+from tautwire.text import as_name, shortened
 
 Kind = Literal["case", "pantograph"]
 _FOLDERS: tuple[tuple[Kind, str, str], ...] = (
@@ -119,7 +119,7 @@ def _index() -> dict[Entry, Traversable]:
 
 def _as_own(text: str, origin: str, target: Path) -> str:
     """Give a copy a name and a template in place of the title and sources of its origin."""
-    name = re.sub(r"[^A-Za-z0-9._+-]", "-", target.stem)[:60]
+    name = as_name(target.stem)
     identity = (
         f'name: "{name}"\n'
         f"template: {origin}       # numbers left as they are count as taken over from it\n"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from tautwire.catalogue.entries import write_whole
 from tautwire.catalogue.numbers import Number
 from tautwire.catalogue.parts import LumpedPantograph, Part, Rope
 from tautwire.errors import InputError
+from tautwire.text import as_name
 
 _HEAD = """\
 # Own catalogue, begun as a copy of {origin!r}. Change the numbers and say where yours come from:
@@ -61,7 +61,7 @@ def copy_part(part: Part, path: str | os.PathLike[str], *, force: bool = False) 
 
 def part_as_text(part: Part, target: Path) -> str:
     """Return an entry as the text of an own catalogue file under the name of the file."""
-    name = re.sub(r"[^A-Za-z0-9._+ -]", "-", target.stem)[:60]
+    name = as_name(target.stem)
     head = _HEAD.format(
         origin=part.name, file=target.name, name=name, kind=part.kind,
         quoted=json.dumps(name), summary=json.dumps(part.summary),

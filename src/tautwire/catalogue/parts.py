@@ -13,8 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from tautwire.catalogue.numbers import Known, Number
 from tautwire.catalogue.rules import CONTACT_WIRE, DROPPER, ROPE, Rule, complete
+from tautwire.text import LONGEST_NAME
 
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f\[\]{}]+$")]
+Name = Annotated[
+    str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[^\x00-\x1f\x7f\[\]{}]+$")
+]
 Mass = Annotated[Number, Known("kg")]
 Length = Annotated[Number, Known("m")]
 MassPerLength = Annotated[Number, Known("kg/m")]
@@ -24,7 +27,7 @@ Force = Annotated[Number, Known("N")]
 Stiffness = Annotated[Number, Known("N/m", zero_allowed=True)]
 DampingRate = Annotated[Number, Known("N s/m", zero_allowed=True)]
 Bending = Annotated[Number, Known("N m^2", zero_allowed=True)]
-Expansion = Annotated[Number, Known("")]
+Expansion = Annotated[Number, Known("1/K")]
 
 Filling = dict[str, Any]
 """Numbers by the key of a case that takes them; mappings and lists of them where it nests."""
@@ -56,7 +59,7 @@ class Part(BaseModel):
 
 
 class _Strand(Part):
-    """What every tensioned wire has; ``thermal_expansion`` in 1/K."""
+    """What every tensioned wire has."""
 
     section: Section
     diameter: Length | None = None

@@ -5,8 +5,10 @@ from __future__ import annotations
 import sys
 from typing import Literal
 
+from tautwire.cli.progress import duration
 from tautwire.cli.session import REFUSED
 from tautwire.errors import InputError
+from tautwire.model.resolution import Size
 from tautwire.version import __version__
 
 
@@ -31,6 +33,14 @@ def backend(choice: Literal["auto", "native", "reference"] = "auto") -> str:
 def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     """Return name, version and backend."""
     return f"tautwire {__version__}, backend {backend(choice)}"
+
+
+def computation(amount: Size) -> str:
+    """Return how large a computation is, and about how long it takes."""
+    return (
+        f"{amount.dof} degrees of freedom, {amount.steps} steps per passage, about "
+        f"{duration(amount.cpu_s())} of CPU time each with the compiled core"
+    )
 
 
 def show_version() -> int:

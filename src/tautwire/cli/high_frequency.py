@@ -9,6 +9,7 @@ import typer
 
 from tautwire.cli.options import CaseArgument, JsonOption, OutFolderOption, SetOption
 from tautwire.cli.session import answering
+from tautwire.signals.bands import WIDEST
 
 
 def register(app: typer.Typer) -> None:
@@ -125,7 +126,7 @@ def advise(
     case: CaseArgument,
     band: Annotated[
         float, typer.Option("--band", metavar="HZ", help="Upper end of the band of interest.")
-    ] = 200.0,
+    ] = WIDEST,
     overrides: SetOption = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.dynamics import Progress
 
 SECONDS_BETWEEN_LINES = 20.0
+"""Where no bar can be drawn: long enough for a log file, short enough to see that it lives."""
 
 
 class PassageWatch:

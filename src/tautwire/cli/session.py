@@ -198,7 +198,7 @@ def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", ["interrupted; nothing was kept"], 130
     if isinstance(error, MemoryError):
-        cure = "use fewer spans (line.spans) or nodes (settings.nodes_between_droppers)"
+        cure = "use fewer spans (line.spans) or a lower settings.band"
         return "memory", [f"there is not enough memory; {cure}"], FAILED
     if isinstance(error, OSError):
         what = f"{shortened(str(error.filename), 300)}: " if error.filename else ""

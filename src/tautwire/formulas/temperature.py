@@ -110,6 +110,6 @@ def fixed_wire_tension(
     for _ in range(100):
         step = (found**3 + shift * found**2 - after) / (3.0 * found**2 + 2.0 * shift * found)
         found -= step
-        if abs(step) <= 1e-14 * found:
+        if abs(step) <= 1e-14 * found:  # rounding
             break
     return found

@@ -8,6 +8,7 @@ from typing import Any
 
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
+from tautwire.text import LONGEST_NAME
 
 IDENTITY = ("title", "description")
 """Keys that speak of the case as a whole and hold for no other."""
@@ -24,7 +25,7 @@ def without_identity(values: Mapping[str, Any], label: str) -> dict[str, Any]:
         Name of the document that includes it; without a name of its own, the case takes this one.
     """
     kept = {key: value for key, value in values.items() if key not in IDENTITY}
-    return kept | ({"name": Path(label).stem[:60]} if "name" in kept else {})
+    return kept | ({"name": Path(label).stem[:LONGEST_NAME]} if "name" in kept else {})
 
 
 def marked(sources: list[Any], template: str) -> list[Any]:

@@ -35,6 +35,7 @@ from tautwire.specs.base import (
 )
 from tautwire.specs.case import Case
 from tautwire.specs.checks import find_contradictions
+from tautwire.specs.line.catenary import MOST_SPANS
 from tautwire.text import shown
 from tautwire.units import UnitError, expectation, parse_quantity
 
@@ -330,5 +331,5 @@ def _span_starts(data: Data) -> list[float]:
     """Return the position of every support, raising UnitError where the line is not valid."""
     length, spans = (value_at(data, ("line", key)) for key in ("span_length", "spans"))
     if not isinstance(length, (list, tuple)):
-        length = [length] * (spans if isinstance(spans, int) and 0 < spans <= 1000 else 0)
+        length = [length] * (spans if isinstance(spans, int) and 0 < spans <= MOST_SPANS else 0)
     return list(accumulate((parse_quantity(item, "m") for item in length), initial=0.0))

@@ -11,6 +11,7 @@ from tautwire.inputs.completion import USE, write_out
 from tautwire.inputs.merge import clear_excluded
 from tautwire.inputs.paths import Path, PathError, find_target, format_path, parse_path, value_at
 from tautwire.inputs.reading.documents import parse_value
+from tautwire.specs.line.catenary import MOST_SPANS
 from tautwire.units import UnitError, parse_quantity
 
 Overrides = Mapping[str, Any] | Iterable[str]
@@ -170,7 +171,7 @@ def _spans(case: Data) -> int:
     spans, lengths = (value_at(case, ("line", key)) for key in ("spans", "span_length"))
     if isinstance(lengths, (list, tuple)):
         return len(lengths)
-    if not isinstance(spans, int) or not 0 < spans <= 1000:
+    if not isinstance(spans, int) or not 0 < spans <= MOST_SPANS:
         raise PathError("line.spans: is needed to set a single item; give it first")
     return spans
 

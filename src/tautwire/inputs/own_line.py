@@ -10,10 +10,10 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, Literal
 
 from tautwire.inputs.paths import format_path
+from tautwire.signals.bands import WIDEST
 from tautwire.specs.upgrade import SCHEMA_VERSION
 from tautwire.units import to_unit
 
@@ -46,7 +46,7 @@ class Wish:
         What is modelled: from the ``mid-point`` of a tension length to its weights, a whole tension
         length ``weighted`` at both ends, or wires ``anchored`` at both ends.
     band : float
-        Highest frequency that the mesh carries [Hz].
+        Highest frequency that mesh and time step carry [Hz].
     """
 
     name: str
@@ -59,7 +59,7 @@ class Wish:
     contact_tension: float | None = None
     messenger_tension: float | None = None
     ends: Ends = "mid-point"
-    band: float = 200.0
+    band: float = WIDEST
 
     def running(self) -> float:
         """Return the speed [m/s], chosen where none is known."""
@@ -105,7 +105,6 @@ FIRST_DROPPER = 4.5
 """Distance of the first dropper from the support [m], as in AC simple; 2.25 to 5.5 m are built."""
 SPACING = 7.0
 """Longest distance of droppers aimed at [m]; 5 to 7 m in Spain, up to 11 m in Norway."""
-FEWEST_NODES, MOST_NODES = 9, 60
 
 
 def template(wish: Wish) -> tuple[Choice, ...]:
@@ -122,7 +121,7 @@ def template(wish: Wish) -> tuple[Choice, ...]:
                "pantograph of the world benchmark; take your own: tautwire catalogue --kind "
                "pantograph"),
         *_scenario(wish),
-        *_settings(wish, positions),
+        *_settings(wish),
     )  # fmt: skip
 
 
@@ -284,13 +283,10 @@ def _scenario(wish: Wish) -> list[Choice]:
     ]
 
 
-def _settings(wish: Wish, positions: list[float]) -> list[Choice]:
-    interval = max(b - a for a, b in pairwise(positions))
-    wanted = math.floor(wish.band * interval / wish.running()) + 2
-    nodes = min(max(wanted, FEWEST_NODES), MOST_NODES)
+def _settings(wish: Wish) -> list[Choice]:
     return [
         Choice(("settings", "contact_stiffness"), "50 kN/m", "value of EN 50318:2002; 50 to "
                "200 kN/m are usual, 10 % in sigma"),
-        Choice(("settings", "nodes_between_droppers"), nodes,
-               f"keeps the passing of elements out of 0-{wish.band:g} Hz"),
+        Choice(("settings", "band"), f"{wish.band:g} Hz",
+               "mesh and time step carry it; losses of contact need 200 Hz"),
     ]  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from tautwire.inputs.reading.files import read_case_text
 from tautwire.tables.line import LineTables, read_line
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import SUFFIXES, read_sheets
+from tautwire.text import as_name
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
     """
     tables = read_line(workbook.mappings)
     line = tables.values["line"]
-    name = re.sub(r"[^A-Za-z0-9._+-]", "-", workbook.path.stem)[:60]
+    name = as_name(workbook.path.stem)
     lengths = line.get("span_length", [])
     wish = Wish(name, spans=line["spans"], span=max(lengths, default=None))
     choices = template(wish)

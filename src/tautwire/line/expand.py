@@ -29,6 +29,7 @@ from tautwire.line.plan import Plan, plans
 from tautwire.line.registration import arm_ends
 from tautwire.numerics.track import Track
 from tautwire.specs.case import Case
+from tautwire.specs.line.catenary import Device, EndWord
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.support import Supports
 from tautwire.specs.line.wire import Wire
@@ -92,8 +93,10 @@ class _Expansion:
                 self.plan.run(name),
                 wire,
                 wire.role,
-                End(self.masts[first], y[first], z[first], ends.left),
-                End(self.masts[last], y[last], z[last], ends.right),
+                _end(self.masts[first], y[first], z[first], ends.left),
+                _end(self.masts[last], y[last], z[last], ends.right),
+                name,
+                self.plan.name,
             )
 
     def _place(self, wire: Wire) -> tuple[Values, Values]:
@@ -119,7 +122,9 @@ class _Expansion:
                 )
                 for offset in (wire.from_, wire.to)
             ]
-            yield Run(self._stitch(name, mast), wire, "stitch", ends[0], ends[1])
+            yield Run(
+                self._stitch(name, mast), wire, "stitch", ends[0], ends[1], name, self.plan.name
+            )
 
     def _stitch(self, name: str, mast: int) -> str:
         return f"{self.plan.run(name)} {MastLabel.of_index(mast).number}"
@@ -182,6 +187,8 @@ class _Expansion:
             stiffness=one.stiffness,
             mass=one.mass,
             clamps=(one.clamp_messenger, one.clamp_contact),
+            diameter=one.diameter,
+            thermal_expansion=one.thermal_expansion,
         )
 
     def _level(self, wire: Wire, s: float) -> float:
@@ -206,6 +213,8 @@ class _Expansion:
                     stiffness=one.stiffness,
                     mass=one.mass,
                     clamps=(one.clamp_messenger, one.clamp_contact),
+                    diameter=one.diameter,
+                    thermal_expansion=one.thermal_expansion,
                 )
 
     def registrations(self, track: Track) -> Iterator[Registration]:
@@ -241,6 +250,13 @@ class _Expansion:
                     damping=spec.messenger_damping,
                     is_fixed_along=is_fixed or spec.messenger_longitudinal == "fixed",
                 )
+
+
+def _end(s: float, y: float, z: float, how: EndWord | Device) -> End:
+    """Return an end of a wire; weights and springs keep the tension of the design."""
+    if isinstance(how, Device):
+        return End(s, y, z, "weighted", device=how)
+    return End(s, y, z, how)
 
 
 def _sum(values: Values, shift: Values) -> Values:

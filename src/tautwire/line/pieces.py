@@ -14,6 +14,7 @@ from typing import Literal
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.numerics.track import Track
+from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
 from tautwire.specs.line.wire import Wire
 
@@ -40,6 +41,8 @@ class End:
         ``"anchored"`` (held), ``"weighted"`` (constant tension, free along the track) or
         ``"clamped"`` (to the run ``host``).
     host : str
+    device : Device or None
+        What keeps the tension of a weighted end; None where it is constant.
     """
 
     s: float
@@ -47,6 +50,7 @@ class End:
     z: float
     kind: Termination
     host: str = ""
+    device: Device | None = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,10 @@ class Run:
     role : str
     start, end : End
         Left and right.
+    wire_name : str
+        Of the wire in the case.
+    tension_length : str
+        Name; empty where there is only one.
     """
 
     name: str
@@ -69,6 +77,8 @@ class Run:
     role: Role
     start: End
     end: End
+    wire_name: str
+    tension_length: str
 
 
 @dataclass(frozen=True)
@@ -109,6 +119,7 @@ class Hanger:
         Per unstrained length.
     clamps : (float, float) kg
         Upper and lower.
+    diameter, thermal_expansion : float m, 1/K or None
     """
 
     label: HangerLabel
@@ -118,6 +129,8 @@ class Hanger:
     stiffness: DropperStiffness
     mass: float
     clamps: tuple[float, float]
+    diameter: float | None
+    thermal_expansion: float | None
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def build(case: Case) -> Model:
     Model
     """
     line = expand(case)
-    mesh = divide(line, case.settings)
+    mesh = divide(line, case.settings, case.scenario.speed)
     drawn = draw_irregularities(case)
     gravity = case.line.gravity
     lumped = _lumped_masses(line, mesh)

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.errors import ModelError
 from tautwire.model.build import Model
+from tautwire.model.operation.devices import tensioning_devices
 from tautwire.model.registrations import registrations_at_rest, suspension_grounds
 from tautwire.numerics.network.parts import Clamps, Grounds, Stays
 from tautwire.numerics.network.system import System, internal_force, weight_load
@@ -34,12 +36,53 @@ def equations(model: Model, shape: Equilibrium) -> System:
     -------
     System
         ``position`` is an equilibrium of this system.
+
+    Raises
+    ------
+    ModelError
+        When the shape is that of another condition than the one of the case.
+    """
+    found = None if shape.operated is None else shape.operated.condition.name
+    if found != model.case.condition:
+        raise ModelError(
+            f"the static state is that of {_named(found)}, the case asks for "
+            f"{_named(model.case.condition)}; find it again, or choose the condition with "
+            "case.with_condition"
+        )
+    if shape.operated is not None:
+        return shape.operated.system
+    return at_rest(model, shape, anchored_ends(model))
+
+
+def _named(condition: str | None) -> str:
+    return "the design" if condition is None else f"the condition {condition!r}"
+
+
+def anchored_ends(model: Model) -> NDArray[np.bool_]:
+    """Return which left and right ends of the wires are held along the track, ``(2, n_wire)``."""
+    runs = [strand.run for strand in model.mesh.strands]
+    ends = [[run.start.kind for run in runs], [run.end.kind for run in runs]]
+    return np.array(ends) == "anchored"
+
+
+def at_rest(model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]) -> System:
+    """Return the line in its design, with some ends of wires held along the track.
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its design.
+    anchored : (2, n_wire) bool
+        Which left and right ends are held.
     """
     line, mesh, gravity = model.line, model.mesh, model.case.line.gravity
     built = model.form.system
-    held, load = _ends_and_suspensions(model, shape)
+    held, load = _ends_and_suspensions(model, shape, anchored)
     stays, grounds = Stays.none(), suspension_grounds(line, mesh, shape.suspension_free_heights)
-    mass = np.zeros(mesh.node_count)
+    tensioning = tensioning_devices(model, shape.position)
+    mass = tensioning.mass
     for group, rest in registrations_at_rest(line, mesh, shape, gravity):
         stays, grounds = stays.joined(rest.stays), grounds.joined(rest.grounds)
         load[group.nodes, :3] += rest.load
@@ -50,7 +93,7 @@ def equations(model: Model, shape: Equilibrium) -> System:
         cables=built.cables.with_(length=shape.cable_lengths),
         ties=built.ties.of_length(shape.dropper_lengths_unstrained),
         stays=stays,
-        grounds=grounds,
+        grounds=grounds.joined(tensioning.springs),
         clamps=_clamps(built.clamps, shape),
         load=load.ravel(),
     )
@@ -59,7 +102,9 @@ def equations(model: Model, shape: Equilibrium) -> System:
     return _holding(system, held, mesh.frames.axes)
 
 
-def _ends_and_suspensions(model: Model, shape: Equilibrium) -> tuple[NDArray[np.bool_], Array]:
+def _ends_and_suspensions(
+    model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], Array]:
     """Return what the ends of the wires and the suspensions hold, and loads.
 
     ``(n_node, 3)`` along the axes of the track, and ``(n_node, 6)``.
@@ -72,7 +117,7 @@ def _ends_and_suspensions(model: Model, shape: Equilibrium) -> tuple[NDArray[np.
         ends = (strand.run.start, strand.nodes[0]), (strand.run.end, strand.nodes[-1])
         for side, (end, node) in enumerate(ends):
             fixed[node, 1:3] = end.kind != "clamped"
-            fixed[node, 0] = end.kind == "anchored"
+            fixed[node, 0] = anchored[side, number]
             load[node, :3] += shape.end_pulls[side, number] * mesh.frames.axes[node, 0]
     for piece in model.line.suspensions:
         fixed[mesh.node(piece.at), :2] = piece.is_fixed_along, True
@@ -105,6 +150,13 @@ def _holding(system: System, held: NDArray[np.bool_], axes: Array) -> System:
         system.position.reshape(-1, 6)[node, :3] + (force / HOLDING)[:, None] * d,
     )
     return system.with_(fixed=fixed.ravel(), grounds=system.grounds.joined(holding))
+
+
+def is_held(system: System, node: int, direction: Array) -> bool:
+    """Tell whether a node is fixed, or held by a stiff spring, in a direction across the track."""
+    own = system.grounds.stiffness[system.grounds.node == node]
+    is_fixed = bool(system.fixed[6 * node : 6 * node + 3][direction != 0.0].all())
+    return is_fixed or bool(np.any(direction @ own @ direction > 0.5 * HOLDING))
 
 
 def _clamps(clamps: Clamps, shape: Equilibrium) -> Clamps:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
+from tautwire.model.band import longest_element
 from tautwire.numerics.track import Frames
 from tautwire.specs.settings import Settings
 
@@ -77,6 +80,15 @@ class Mesh:
         strand = self._by_name[at.run]
         return int(strand.nodes[strand.position(at.s)])
 
+    def heights(self, position: Array) -> Array:
+        """Return how high the nodes are above the rails, ``(n_node,)`` [m].
+
+        Parameters
+        ----------
+        position : (n_dof,)
+        """
+        return self.frames.to_local(position.reshape(-1, 6)[:, :3])[:, 2]
+
     def nodes(self, places: Iterable[At]) -> Index:
         """Return the nodes at some attachments."""
         return np.array([self.node(at) for at in places], dtype=np.int64)
@@ -102,21 +114,26 @@ class Division:
 
     def fractions(self, gap: float) -> Array:
         """Return the left ends of the elements of an interval, in parts of its length."""
-        near = np.array(GRADED_NODES)
-        is_graded = self.is_graded and gap > _WIDE * near[-1]
-        inner, elements = (
-            (gap - 2.0 * near[-1], self.elements - 2 * len(near))
-            if is_graded
-            else (
-                gap,
-                self.elements,
-            )
-        )
-        count = max(elements, int(np.ceil(inner / self.longest - SAME_PLACE)))
-        if not is_graded:
+        near = GRADED_NODES
+        if not self.is_graded or gap <= _WIDE * near[-1]:
+            count = self._count(gap, self.elements)
             return np.arange(count) / count
-        middle = near[-1] + inner * np.arange(count + 1) / count
-        return np.concatenate([[0.0], near[:-1], middle, gap - near[-2::-1]]) / gap
+        corners = (0.0, *near, *(gap - distance for distance in reversed(near)), gap)
+        least = [1] * (len(corners) - 1)
+        least[len(near)] = self.elements - 2 * len(near)
+        parts = [
+            _even(left, right, self._count(right - left, count))
+            for (left, right), count in zip(pairwise(corners), least, strict=True)
+        ]
+        return np.concatenate(parts) / gap
+
+    def _count(self, length: float, least: int) -> int:
+        return max(least, math.ceil(length / self.longest - SAME_PLACE))
+
+
+def _even(left: float, right: float, count: int) -> Array:
+    """Return the left ends of equal parts."""
+    return left + (right - left) * np.arange(count) / count
 
 
 GRADED_NODES = (0.15, 0.5)
@@ -128,23 +145,22 @@ _WIDE = 4.0
 """Intervals shorter than this, in units of the outer graded node's distance, are divided evenly."""
 
 
-def divide(line: Line, settings: Settings) -> Mesh:
+def divide(line: Line, settings: Settings, speed: float) -> Mesh:
     """Divide every interval between neighbouring attachments of a run.
-
-    Intervals longer than any in a span with droppers (raised contact wires on their way to the
-    anchor) get more elements, so that none is longer than the longest there.
 
     Parameters
     ----------
     line
         The pieces.
     settings
-        Nodes from one attachment to the next (NAD), grading, longest element.
+        Band, or nodes from one attachment to the next (NAD); grading, longest element.
+    speed
+        Of the train [m/s]: waves ahead of it are shorter.
     """
-    elements = settings.nodes_between_droppers - 1
-    longest = settings.longest_element or longest_hung_interval(line) / elements
-    division = Division(elements, longest, settings.graded_mesh)
-    places = [_divided(np.array(line.points(run.name)), division) for run in line.runs]
+    places = [
+        _divided(np.array(line.points(run.name)), _division(line, run, settings, speed))
+        for run in line.runs
+    ]
     s = np.concatenate(places)
     strand_of = np.repeat(np.arange(len(places)), [len(p) for p in places])
     order = np.lexsort((strand_of, s))
@@ -159,6 +175,20 @@ def divide(line: Line, settings: Settings) -> Mesh:
     return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
 
 
+def _division(line: Line, run: Run, settings: Settings, speed: float) -> Division:
+    """Return how a run is divided.
+
+    With nodes that are counted, intervals longer than any in a span with droppers (raised contact
+    wires on their way to the anchor) get more, so that no element is longer than the longest there.
+    """
+    given, graded = settings.longest_element, settings.is_graded()
+    if settings.nodes_between_droppers is not None:
+        elements = settings.nodes_between_droppers - 1
+        return Division(elements, given or longest_hung_interval(line) / elements, graded)
+    longest = longest_element(run, settings.band, speed)
+    return Division(1, longest if given is None else min(given, longest), graded)
+
+
 def _divided(ends: Array, division: Division) -> Array:
     """Divide the intervals between some points into elements."""
     gaps = np.diff(ends)
@@ -168,7 +198,9 @@ def _divided(ends: Array, division: Division) -> Array:
     return np.concatenate([*parts, ends[-1:]])
 
 
-def element_lengths(line: Line, settings: Settings) -> tuple[float, float]:
-    """Return the lengths of the shortest and of the longest wire element [m]."""
-    steps = np.concatenate([np.diff(strand.s) for strand in divide(line, settings).strands])
-    return round(float(steps.min()), 9), round(float(steps.max()), 9)
+def longest_elements(line: Line, settings: Settings, speed: float) -> dict[str, float]:
+    """Return the length of the longest element of every run [m]."""
+    return {
+        strand.run.name: round(float(np.diff(strand.s).max()), 9)
+        for strand in divide(line, settings, speed).strands
+    }

@@ -11,31 +11,36 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tautwire.line.expand import expand
-from tautwire.line.measures import attachment_intervals
-from tautwire.model import mesh
+from tautwire.line.pieces import Line
+from tautwire.model.resolution import Resolution, fewest_nodes, resolution
 from tautwire.plain import Plain
+from tautwire.signals.bands import WIDEST
+from tautwire.signals.filters import STANDARD_CUTOFF
 from tautwire.specs.case import Case
-from tautwire.specs.settings import NOT_GIVEN
+from tautwire.specs.settings import NOT_GIVEN, STEPS_PER_PERIOD
 
 Severity = Literal["refused", "warning", "note"]
 
-HEADLINE_CUTOFF = 20.0
-"""Upper end of the band of the headline figures [Hz]."""
-
-WIDEST_BAND = 200.0
-"""Upper end of the widest band for which a standard deviation is reported [Hz]."""
-
-STEPS_PER_PERIOD = 10.0
-"""Time steps per period below which an oscillation is distorted visibly."""
+STEPS_TO_FOLLOW = 10.0
+"""Time steps per period below which an oscillation is distorted visibly: Newmark's step lengthens
+a period by (2 pi/10)^2/12, 3 %."""
 
 SPANS_AT_ENDS = 1.5
-"""Spans next to an anchored end in which the contact force is disturbed."""
+"""Spans next to an anchored end in which the contact force is disturbed. Chosen: with the
+two spans that the default section leaves at each end nothing is said."""
 
 SPEED_SHARE = 0.7
-"""Share of the wave speed above which waves gather before the pantograph."""
+"""Share of the wave speed above which waves gather before the pantograph: the
+limit of EN 50119 as remembered."""
 
 _MOST_NODES = 200
+"""Most nodes between droppers that the input takes (settings.nodes_between_droppers)."""
+
 _MUCH_MEMORY = 1e9
+"""Size of histories that is told [bytes]: an eighth of the memory of a small machine."""
+
+_STEPS_PER_ELEMENT = 2.0
+"""Steps per element below which the head passes what the mesh draws without seeing it."""
 
 
 @dataclass(frozen=True)
@@ -76,25 +81,23 @@ def preflight(case: Case) -> tuple[Advice, ...]:
     tuple of Advice
         Most severe first; empty when there is nothing to say.
     """
+    line = expand(case)
+    resolved = resolution(case, line)
     found = [
         *_end_of_passage(case),
         *_speed(case),
         *_start_of_section(case),
         *_ends_of_line(case),
-        *_element_passing(case),
+        *_mesh(case, line, resolved),
+        *_step(case, resolved),
         *_contact_resonance(case),
-        *_steps_per_element(case),
+        *_steps_per_element(case, resolved.longest),
         *_sampling(case),
-        *_memory(case),
+        *_memory(case, line),
         *_not_given(case),
     ]
     order: tuple[Severity, ...] = ("refused", "warning", "note")
     return tuple(sorted(found, key=lambda advice: order.index(advice.severity)))
-
-
-def element_lengths(case: Case) -> tuple[float, float]:
-    """Return the lengths of the shortest and of the longest wire element of the mesh [m]."""
-    return mesh.element_lengths(expand(case), case.settings)
 
 
 def _not_given(case: Case) -> Iterator[Advice]:
@@ -195,41 +198,55 @@ def _ends_of_line(case: Case) -> Iterator[Advice]:
         )
 
 
-def _element_passing(case: Case) -> Iterator[Advice]:
-    """Tell that the passing of elements, n v / L_e, falls into a band that is reported."""
-    _, longest = element_lengths(case)
-    frequency = case.scenario.speed / longest
-    if frequency > WIDEST_BAND:
+def _mesh(case: Case, line: Line, found: Resolution) -> Iterator[Advice]:
+    """Tell that the wire mesh does not carry the band."""
+    band = case.settings.band
+    if found.mesh >= band * (1.0 - 1e-6):
         return
-    in_headline = frequency <= HEADLINE_CUTOFF
-    needed = {band: _nodes_for(case, band) for band in (HEADLINE_CUTOFF, WIDEST_BAND)}
-    wanted = needed[HEADLINE_CUTOFF if in_headline else WIDEST_BAND]
+    nodes = fewest_nodes(line, band, case.scenario.speed)
+    finer = f", or give at least {nodes}" if nodes <= _MOST_NODES else ""
     cure = (
-        f"settings.nodes_between_droppers: {wanted} moves it out of that band"
-        if wanted <= _MOST_NODES
-        else "shorten the intervals between droppers, or do not use the bands above it"
+        f"leave settings.nodes_between_droppers out for a mesh that carries the band{finer}"
+        if case.settings.nodes_between_droppers is not None
+        else f"shorter elements are not chosen; {_without_shorter_elements(found.mesh)}"
     )
-    if in_headline and needed[WIDEST_BAND] <= _MOST_NODES:
-        cure += f", {needed[WIDEST_BAND]} out of 0-{WIDEST_BAND:g} Hz"
-    band = HEADLINE_CUTOFF if in_headline else WIDEST_BAND
     yield Advice(
         "mesh",
-        "warning" if in_headline else "note",
-        f"elements of up to {longest:.3g} m are passed at multiples of {frequency:.0f} Hz, inside "
-        f"the band 0-{band:g} Hz; lines there are numerical",
+        "warning" if found.mesh < STANDARD_CUTOFF else "note",
+        f"elements of up to {found.element:.3g} m of the wire {found.run!r} carry waves up to "
+        f"{found.mesh:.0f} Hz of the band 0-{band:g} Hz, and a head passes those of the contact "
+        f"wire at multiples of {case.scenario.speed / found.longest:.0f} Hz; losses of contact and "
+        f"figures above {found.mesh:.0f} Hz are not to be relied on",
         cure,
     )
 
 
-def _nodes_for(case: Case, band: float) -> int:
-    """Return the fewest nodes between droppers that keep element passing out of a band."""
-    _, interval = attachment_intervals(expand(case))
-    return math.floor(band * interval / case.scenario.speed) + 2
+def _without_shorter_elements(carried: float) -> str:
+    """Return the cure where the mesh would need elements that are too short."""
+    if carried >= STANDARD_CUTOFF:
+        return f"give settings.band: {_rounded_down(carried):g} Hz, or settings.longest_element"
+    return "lower scenario.speed or raise wires.contact.tension"
+
+
+def _step(case: Case, found: Resolution) -> Iterator[Advice]:
+    """Tell that the time step does not carry the band."""
+    band = case.settings.band
+    if found.step >= band * (1.0 - 1e-6):
+        return
+    step = 1e3 * case.settings.step()
+    yield Advice(
+        "time step",
+        "note",
+        f"steps of {step:g} ms carry {found.step:.4g} Hz of the band 0-{band:g} Hz "
+        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are not "
+        "to be relied on",
+        f"leave settings.time_step out, or give {1e3 / (STEPS_PER_PERIOD * band):.3g} ms",
+    )
 
 
 def _contact_resonance(case: Case) -> Iterator[Advice]:
     """Tell that the time step cannot follow a head on its contact spring."""
-    step = case.settings.time_step
+    step = case.settings.step()
     names: dict[float, list[str]] = {}
     for pantograph in case.pantographs:
         head = pantograph.stages[0]
@@ -238,54 +255,51 @@ def _contact_resonance(case: Case) -> Iterator[Advice]:
         names.setdefault(frequency, []).append(repr(pantograph.name))
     for frequency, heads in names.items():
         steps = 1.0 / (frequency * step)
-        if steps < STEPS_PER_PERIOD:
-            longest = 1.0 / (frequency * STEPS_PER_PERIOD)
+        if steps < STEPS_TO_FOLLOW:
+            longest = 1.0 / (frequency * STEPS_TO_FOLLOW)
             yield Advice(
                 "time step",
                 "warning",
                 f"on the contact spring the head of pantograph {' and '.join(heads)} oscillates at "
                 f"{frequency:.0f} Hz, {steps:.1f} steps of {1e3 * step:g} ms per period; "
-                f"{STEPS_PER_PERIOD:g} are needed to follow it",
+                f"{STEPS_TO_FOLLOW:g} are needed to follow it",
                 f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or a lower "
                 "settings.contact_stiffness",
             )
 
 
-def _steps_per_element(case: Case) -> Iterator[Advice]:
-    """Tell that a pantograph crosses an element in less than two steps."""
-    shortest, _ = element_lengths(case)
-    advance = case.scenario.speed * case.settings.time_step
-    if advance > 0.5 * shortest:
-        longest = 0.5 * shortest / case.scenario.speed
+def _steps_per_element(case: Case, element: float) -> Iterator[Advice]:
+    """Tell that a pantograph crosses an element of the contact wire in less than two steps."""
+    advance = case.scenario.speed * case.settings.step()
+    if advance > element / _STEPS_PER_ELEMENT:
+        longest = element / _STEPS_PER_ELEMENT / case.scenario.speed
         yield Advice(
             "time step",
             "note",
-            f"a pantograph advances {advance:.3g} m per step, more than half of the shortest "
-            f"element ({shortest:.3g} m)",
-            f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or fewer "
-            "settings.nodes_between_droppers",
+            f"a pantograph advances {advance:.3g} m per step, more than half of an element of "
+            f"the contact wire ({element:.3g} m)",
+            f"settings.time_step: {1e3 * _rounded_down(longest):g} ms, or longer elements",
         )
 
 
 def _sampling(case: Case) -> Iterator[Advice]:
     """Tell that bands reach the Nyquist frequency of the record."""
-    nyquist = 0.5 / case.settings.time_step
-    if nyquist <= WIDEST_BAND:
+    nyquist = 0.5 / case.settings.step()
+    if nyquist <= WIDEST:
         yield Advice(
             "time step",
-            "refused" if nyquist <= HEADLINE_CUTOFF else "note",
-            f"with {1e3 * case.settings.time_step:g} ms the record holds nothing from "
+            "refused" if nyquist <= STANDARD_CUTOFF else "note",
+            f"with {1e3 * case.settings.step():g} ms the record holds nothing from "
             f"{nyquist:.4g} Hz on; bands that reach it have no value",
-            f"settings.time_step below {500.0 / WIDEST_BAND:g} ms for all bands",
+            f"settings.time_step below {500.0 / WIDEST:g} ms for all bands",
         )
 
 
-def _memory(case: Case) -> Iterator[Advice]:
+def _memory(case: Case, line: Line) -> Iterator[Advice]:
     """Tell that the histories of a passage fill the memory of a usual machine."""
-    line = expand(case)
     droppers, supports = len(line.hangers), len(line.contact_supports)
     stages = sum(len(pantograph.stages) + 3 for pantograph in case.pantographs)
-    steps = case.line.length() / case.scenario.speed / case.settings.time_step
+    steps = case.line.length() / case.scenario.speed / case.settings.step()
     size = 2 * 8 * steps * (droppers + supports + stages)
     if size > _MUCH_MEMORY:
         yield Advice(

@@ -51,7 +51,7 @@ class HHT:
         Between -1/3 (most dissipative) and 0 (Newmark).
     """
 
-    alpha: float = -0.05
+    alpha: float
     order: int = 2
 
     def __post_init__(self) -> None:

@@ -66,7 +66,7 @@ class Frames:
         """Return matrices given in the frames, ``(..., 3, 3)``."""
         return np.einsum("...ki,...kl,...lj->...ij", self.axes, local, self.axes)
 
-    def __getitem__(self, chosen: Index) -> Frames:
+    def __getitem__(self, chosen: Index | int) -> Frames:
         return Frames(self.origin[chosen], self.axes[chosen])
 
 

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.elements.hermite import local_coordinate, position_row
+from tautwire.numerics.network.system import System
 from tautwire.numerics.track import Frames, Track
+from tautwire.specs.conditions.condition import Condition
 from tautwire.text import Told
 
 Array = NDArray[np.float64]
@@ -181,6 +183,8 @@ class Equilibrium(Told):
         Weight of the line, and sum of the vertical reactions of all supports and anchors.
     iterations, residual : int, N
         Newton iterations of the shape finding and the largest out-of-balance nodal force.
+    operated : Operated or None
+        What the condition made of the line; None for the design, and for what was read from a file.
     """
 
     track: Track
@@ -214,6 +218,7 @@ class Equilibrium(Told):
     reaction: float
     iterations: int
     residual: float
+    operated: Operated | None = None
 
     def facts(self) -> dict[str, str]:
         """Return wires, droppers, arms and how the shape was found, in words."""
@@ -284,7 +289,7 @@ class Equilibrium(Told):
     def running_height(self, s: Array) -> Array:
         """Return the height of the lowest contact wire at some places, shaped as ``s`` [m]."""
         heights = [
-            np.interp(s, wire.s, wire.position[:, 2], left=np.inf, right=np.inf)
+            np.interp(s, wire.position[:, 0], wire.position[:, 2], left=np.inf, right=np.inf)
             for wire in self.of_role("contact")
         ]
         return np.min(heights, axis=0)
@@ -308,6 +313,31 @@ class Equilibrium(Told):
 
 def _no(name: str) -> WireShape:
     raise KeyError(f"the line has no wire named {name!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class Operated:
+    """A line under a condition: what it was and what it is.
+
+    Attributes
+    ----------
+    condition : Condition
+    design : Equilibrium
+        Whose unstrained lengths, before temperature and defects, the line keeps.
+    system : System
+        The line at rest under the condition; its loads stay on.
+    end_travel : (2, n_wire) m
+        How far the left and the right end of every wire have moved away from the wire's middle;
+        NaN where a wire is clamped to another.
+    end_words : (2, n_wire) tuples of str
+        What each end is doing: held, free, at a stop.
+    """
+
+    condition: Condition
+    design: Equilibrium
+    system: System
+    end_travel: Array
+    end_words: tuple[tuple[str, ...], tuple[str, ...]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

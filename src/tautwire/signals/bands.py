@@ -23,6 +23,9 @@ BANDS: tuple[Band, ...] = (
 )
 """Bands [Hz] of the world benchmark (2015) and of Song et al. (2021)."""
 
+WIDEST = BANDS[-1][1]
+"""Upper end of the widest band that is reported [Hz]."""
+
 
 def band_name(band: Band) -> str:
     """Return the key of a band, ``"5_20"`` for 5 to 20 Hz.

@@ -11,6 +11,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, MAPPING, Spec, Typical, form_of, refuse
 from tautwire.specs.checks import find_contradictions
+from tautwire.specs.conditions.condition import Condition
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
@@ -87,6 +88,14 @@ class Case(Told, Spec):
         default=Irregularities(),
         description="Irregularities of the contact wire; none if left out.",
     )
+    conditions: tuple[Condition, ...] = Field(
+        default=(),
+        description="States of the line other than its design: weather, wear, defects.",
+    )
+    condition: str | None = Field(
+        default=None,
+        description="Name of the condition in which the line is examined; the design if left out.",
+    )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(
         default=Settings(), description="Numerical choices and analysed section."
@@ -110,6 +119,15 @@ class Case(Told, Spec):
         """All sets of droppers."""
         return self.droppers if isinstance(self.droppers, tuple) else (self.droppers,)
 
+    def with_condition(self, name: str | None) -> Case:
+        """Return the case with another condition chosen; None chooses the design."""
+        return self.with_(condition=name)
+
+    @property
+    def chosen_condition(self) -> Condition | None:
+        """The condition in which the line is examined; None for the design."""
+        return next((one for one in self.conditions if one.name == self.condition), None)
+
     def facts(self) -> dict[str, str]:
         """Return line, wires, pantographs and speed in words."""
         spans = self.line.span_lengths()
@@ -122,6 +140,7 @@ class Case(Told, Spec):
             "name": f"{self.name}, {self.title}" if self.title else self.name,
             "line": f"{self.line.spans} spans of {lengths}",
             "wires": ", ".join(wires),
+            "condition": self.condition or "as designed",
             "pantographs": f"{count} at {3.6 * self.scenario.speed:g} km/h",
         }
 

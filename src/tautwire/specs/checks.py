@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from tautwire.specs.base import Problem
+from tautwire.specs.conditions.checks import check_conditions, check_places
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import check_irregularities
@@ -20,7 +21,7 @@ from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 
 MIN_SPACING = 0.05
-"""Smallest distance [m] between neighbouring attachment points."""
+"""Smallest distance [m] between neighbouring attachment points: two clamps side by side."""
 
 
 def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
@@ -467,6 +468,8 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "settings"), check_start),
     (("line", "pantographs", "settings"), check_train_length),
     (("line", "droppers", "irregularities"), check_irregularities),
+    (("conditions", "condition", "wires", "droppers"), check_conditions),
+    (("line", "tension_lengths", "conditions"), check_places),
 )
 """Every check with the parts of the case it needs, so that it can run when others are invalid."""
 

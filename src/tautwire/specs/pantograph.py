@@ -7,10 +7,11 @@ from typing import Annotated, ClassVar
 from pydantic import Field, model_validator
 
 from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+from tautwire.text import LONGEST_NAME
 
 Time = Annotated[float, Quantity("s", ge=0.0, le=1e6)]
 RoofHeight = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-20 to 20 mm")]
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[^\x00-\x1f\x7f]+$")]
 
 
 class ForceLaw(Spec):

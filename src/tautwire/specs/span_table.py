@@ -22,6 +22,7 @@ from tautwire.specs.pantograph import Name
 
 STRAIGHT = "straight"
 MOST_CURVES, MOST_WINDS = 500, 50
+"""Rows and columns of a table: far more than one prints, and computed within a second."""
 
 Stagger = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="-0.3 to 0.3 m")]
 Diameter = Annotated[float, Quantity("m", gt=0.0, le=0.2, typical="9 to 15 mm")]

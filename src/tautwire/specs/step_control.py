@@ -47,7 +47,7 @@ class StepControl(Spec):
         "'adaptive' only.",
     )
     most_losses: Annotated[int, Field(ge=1, le=100_000, strict=True), Typical("500")] = Field(
-        default=500,
+        default=500,  # some hundred times what a line has that is fit for service
         description="Variable, adaptive: losses per pantograph after which the run stops.",
     )
 

@@ -14,6 +14,7 @@ from tautwire.text import shown
 RANGE, SPREAD, SEEDS, VARIANTS = "<range>", "<interval>", "<seeds>", "<variants>"
 AXIS_FORMS = frozenset({LIST, RANGE, SPREAD, SEEDS, VARIANTS})
 MOST_VALUES = 100_000
+"""Values of an axis, and cases of a study: their rows are files of one folder each."""
 
 Scale = Literal["linear", "log"]
 

@@ -7,20 +7,20 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 import numpy as np
 
 from tautwire.inputs.merge import EXCLUSIVE
 from tautwire.inputs.paths import PathError, Target, find_target, parse_path
-from tautwire.specs.study import Range, Seeds, Spread, Study, Variants
+from tautwire.specs.study import MOST_VALUES, Range, Seeds, Spread, Study, Variants
 from tautwire.studies import columns
 from tautwire.text import shown
 from tautwire.units import UnitError, parse_quantity
 
 Coordinate = float | int | str
 SAMPLE, CASE = "sample", "case"
-MOST_CASES = 100_000
 
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _RESERVED = frozenset(columns.NAMES) | {CASE, SAMPLE, "status", "reason", "key", "backend"}
@@ -150,8 +150,8 @@ def _range(path: str, axis: Range) -> list[Any]:
         if step == 0.0 or (last - first) / step < -1e-9:
             raise AxisError("the step does not lead from 'from' to 'to'")
         count = math.floor((last - first) / step + 1e-9) + 1
-        if count > MOST_CASES:
-            raise AxisError(f"has {count} values; at most {MOST_CASES} cases are computed")
+        if count > MOST_VALUES:
+            raise AxisError(f"has {count} values; at most {MOST_VALUES} cases are computed")
         values = [first + step * number for number in range(count)]
     return [_written(value, unit, is_whole=is_whole) for value in values]
 
@@ -200,7 +200,14 @@ def _written(value: float, unit: str, *, is_whole: bool) -> Any:
 
 
 def _holds_integers(target: Target) -> bool:
-    return target.field is not None and "int" in str(target.field.annotation).split("[")[0]
+    return target.field is not None and _is_whole(target.field.annotation)
+
+
+def _is_whole(annotation: Any) -> bool:
+    """Return whether a type, without its annotations or None beside it, is that of integers."""
+    if get_origin(annotation) in (Union, UnionType, Annotated):
+        return any(_is_whole(part) for part in get_args(annotation))
+    return annotation is int
 
 
 def _drawn(study: Study, ends: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
@@ -298,8 +305,8 @@ def _size_problems(study: Study, written: Sequence[AxisValues], drawn: Sequence[
         return []
     total = math.prod(size for path, size in sizes.items() if path not in drawn)
     total *= study.samples or 1
-    if total > MOST_CASES:
-        return [f"axes: they give {total} cases; at most {MOST_CASES} are computed"]
+    if total > MOST_VALUES:
+        return [f"axes: they give {total} cases; at most {MOST_VALUES} are computed"]
     return []
 
 

@@ -106,8 +106,9 @@ public:
     }
 
 private:
-    static constexpr int kTriangle = 21;
+    static constexpr int kTriangle = 21;  // entries of a symmetric 6x6 block
     // A carried value is dropped when it has faded by this factor.
+    // Chosen: 1e-2 and 1e-4 change the iterations of AC simple at 3 ms by 0.1 %.
     static constexpr double kFaded = 1e-3;
 
     TAUTWIRE_INLINE void subtract_lower(int row, const Floats* left, Floats* rhs) const {

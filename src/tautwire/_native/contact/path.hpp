@@ -97,6 +97,7 @@ private:
 
     // Where the element of nodal values q passes through zero, by Newton's method.
     static double invert(const double (&q)[4], double length) {
+        // Both as in numerics/elements/hermite.py, which says why.
         constexpr int kSteps = 20;
         constexpr double kTolerance = 1e-13;
         double xi = -q[0] / (q[2] - q[0]);

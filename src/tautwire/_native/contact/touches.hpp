@@ -45,7 +45,7 @@ public:
     bool correct(P& matrix, double factor, const Pantograph* const* pantographs);
 
 private:
-    static constexpr int kPlaces = 12;
+    static constexpr int kPlaces = 12;  // r and r' of the two nodes of an element
 
     List<Touch> touches_;
     Buffer<double> before_, compliance_;

@@ -57,6 +57,7 @@ public:
     bool factor_mass(const Buffer<Row>& q) { return make_exact({1.0, 0.0, 0.0}, q, q); }
 
 private:
+    // As in numerics/motion/effective_matrix.py, which says why.
     static constexpr int kMost = 12, kPerOctave = 4;
     static constexpr double kSame = 1e-9;
 

@@ -30,6 +30,8 @@ public:
     int count = 0;
 
 private:
+    // As in numerics/motion/step_solver.py, which says why. Here 0.2 and 0.5 take 5.5 and
+    // 6.3 in place of 5.8 iterations per step of AC simple at 3 ms, and about as long.
     static constexpr double kSlow = 0.3;
     static constexpr int kAllowed = 2;
     double last_ = std::numeric_limits<double>::infinity();
@@ -246,6 +248,7 @@ inline bool LineEngine::touch_all() {
 
 // Enclose the touched points: there, where the wire bends most, the iteration converges slowest.
 inline void LineEngine::set_regions() {
+    // Rows to either side. Chosen: 6 and 24 change 2.13 iterations per step to 2.19 and 2.12, no time.
     constexpr int kReach = 12;
     const Layout& layout = sweeps_.line.layout;
     regions_.shorten(0);
@@ -289,6 +292,7 @@ Increment LineEngine::iterate(P& matrix, RowRange range, bool fresh) {
 
 // Iterate around the contacts alone, when the rest has converged; true when they have, too.
 inline bool LineEngine::settle_contacts() {
+    // Chosen: with 1 a step takes 2.29 in place of 2.13 iterations in all; more than 3 change nothing.
     constexpr int kMost = 3;
     for (int n = 0; n < kMost; ++n) {
         double largest = 0.0;
@@ -372,6 +376,7 @@ inline void LineEngine::carry_over() {
 }
 
 inline bool LineEngine::start_from(const double* q, const double* v) {
+    // The mass matrix is factored exactly but for HHT's share of the forces. Six passes change no digit of the forces.
     constexpr int kRefinements = 3;
     WireState &now = sweeps_.start(), &end = sweeps_.end();
     const RowRange whole = sweeps_.line.layout.whole();

@@ -272,7 +272,7 @@ public:
     void copy_from(const Buffer& other) { std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T)); }
 
 private:
-    static constexpr std::size_t kAlignment = 64;
+    static constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
     T* data_ = nullptr;
     std::size_t size_ = 0;
 };

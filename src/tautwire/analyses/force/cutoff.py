@@ -10,17 +10,12 @@ from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import uniform_force
 from tautwire.analyses.vibration.wavelengths import line_lengths
 from tautwire.results.run import Run
-from tautwire.signals.bands import band_name, band_standard_deviations
-from tautwire.signals.filters import Lowpass, SharpLowpass
+from tautwire.signals.bands import WIDEST, band_name, band_standard_deviations
+from tautwire.signals.filters import STANDARD_CUTOFF, Lowpass, SharpLowpass
 from tautwire.specs.case import Case
 
-STANDARD = 20.0
-"""Cut-off of the standards [Hz]."""
-
-WIDEST = 200.0
-"""Upper end of the band that counts as everything [Hz]."""
-
 _TENTHS = 10.0
+"""The paper gives the wave number to cover as 0.9 1/m, in tenths."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +130,7 @@ def missed_deviation(
     inside = analysed_section(run, section).contains(record.position)
     given: Lowpass = SharpLowpass() if lowpass is None else lowpass
     cutoff = advise_cutoff(run.case).frequency
-    bands = [(0.0, STANDARD), (0.0, cutoff), (0.0, WIDEST)]
+    bands = [(0.0, STANDARD_CUTOFF), (0.0, cutoff), (0.0, WIDEST)]
     found = band_standard_deviations(given, record.force, record.time_step, inside, bands)
     values = [found[band_name(band)] for band in bands]
     return MissedDeviation(given.with_cutoff(cutoff).describe(), cutoff, *values)

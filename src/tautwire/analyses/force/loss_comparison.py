@@ -8,12 +8,14 @@ from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.errors import InputError
 from tautwire.results.loss_comparison import LossComparison, LossMatch, LossPair
 from tautwire.results.run import Run
-from tautwire.results.statistics import ContactLoss, LossEvent
+from tautwire.results.statistics import ARC_DURATION, ContactLoss, LossEvent
 
 SHORTEST = 1e-3
-"""Shortest loss that counts in errors, as missed or as spurious [s]."""
+"""Shortest loss that counts in errors, as missed or as spurious [s]: the usual time step."""
 
-_FARTHEST = 5e-3
+_FARTHEST = ARC_DURATION
+"""Losses that do not overlap are partners when their middles are nearer than this [s]: two losses
+further apart than an arc that counts are two arcs."""
 
 
 def compare_losses(

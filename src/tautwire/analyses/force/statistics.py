@@ -96,7 +96,7 @@ def uniform_force(run: Run, name: str) -> ForceRecord:
     """
     record = run.contact_force(name)
     columns = np.column_stack([record.position, record.force])
-    time, values = evenly_spaced(record.time, columns, run.case.settings.time_step)
+    time, values = evenly_spaced(record.time, columns, run.case.settings.step())
     return ForceRecord(time, values[:, 0], values[:, 1])
 
 
@@ -314,6 +314,7 @@ def _notes(
         if inside.size == 0:
             notes.append(f"{who} never was in the analysed section; its statistics are empty")
             continue
+        # A record has a sample within one step of each end; half a step is room for rounding.
         slack = 1.5 * float(np.max(np.abs(np.diff(position)), initial=0.0))
         if inside.min() > section.start + slack or inside.max() < section.end - slack:
             notes.append(

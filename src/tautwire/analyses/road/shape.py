@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.closures import Held
@@ -23,14 +24,45 @@ from tautwire.status import Status
 Array = NDArray[Any]
 
 RESIDUAL = 1e-4
+"""Largest force out of balance [N]: a ten-millionth of the weight of a span; Newton's last step
+leaves some 1e-8 N, where the rounding of EA times strain begins."""
 _RIGID_DROPPER = 1e8
+"""Stiffness of droppers that hardly stretch [N/m]: 100 N stretch one by a micrometre."""
 _SMALLEST_PULL = 10.0
+"""Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
+over 1.22 m)."""
 _ACTIVE_SET_PASSES = 20
+"""Most passes in search of the slack droppers; each changes at least one, few are slack at rest."""
+
+
+def find_shape(model: Model) -> Equilibrium:
+    """Find the static state of a line in the condition that its case has chosen.
+
+    That is its design, and with ``case.condition`` what the condition makes of it.
+
+    Parameters
+    ----------
+    model
+        The line.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        When Newton's iteration fails.
+    ModelError
+        When a dropper or a steady arm would have to push, a wire is slack or wires cross; every
+        place is named.
+    """
+    return operate(model, find_design(model))
 
 
 @single_threaded
-def find_shape(model: Model) -> Equilibrium:
-    """Find coordinates, unstrained lengths and support data of the static state.
+def find_design(model: Model) -> Equilibrium:
+    """Find coordinates, unstrained lengths and support data of the line as designed.
 
     The place of every wire node along the track is given by the mesh, each wire's tension acts on
     its end; in height mode the dropper lengths follow from the pre-sag, in length mode the heights
@@ -210,7 +242,7 @@ def _droppers(model: Model, form: Form) -> dict[str, Any]:
         "dropper_lengths_unstrained": ties.length,
         "dropper_lengths": ties.state(position).length,
         "dropper_forces": np.maximum(_dropper_forces(form), 0.0),
-        "dropper_heights": _heights(model, position, ties.nodes[:, 1]),
+        "dropper_heights": model.mesh.heights(position)[ties.nodes[:, 1]],
     }
 
 
@@ -229,7 +261,7 @@ def _supports(model: Model, form: Form, held: Held) -> dict[str, Any]:
         "support_number": np.array([label.number for label, _ in places], dtype=np.int64),
         "support_wire": np.array([number[at.run] for _, at in places], dtype=np.int64),
         "support_x": np.array([at.s for _, at in places]),
-        "support_heights": _heights(model, form.system.position, nodes),
+        "support_heights": model.mesh.heights(form.system.position)[nodes],
         "contact_preloads": preloads,
         "arm_supports": rows[arms] + 1,
         "arm_forces": held.force[arms],
@@ -238,17 +270,12 @@ def _supports(model: Model, form: Form, held: Held) -> dict[str, Any]:
     }
 
 
-def _heights(model: Model, position: Array, nodes: NDArray[np.int64]) -> Array:
-    """Return the heights of some nodes above the rails [m]."""
-    return model.mesh.frames[nodes].to_local(position.reshape(-1, 6)[nodes, :3])[:, 2]
-
-
 def _free_heights(model: Model, form: Form) -> Array:
     """Return the heights at which the springs of the suspensions are slack [m]."""
     pieces = model.line.suspensions
     nodes = model.mesh.nodes(piece.at for piece in pieces)
     stiffness = np.array([piece.stiffness for piece in pieces])
-    heights = _heights(model, form.system.position, nodes)
+    heights = model.mesh.heights(form.system.position)[nodes]
     return heights + form.reactions[6 * nodes + 2] / stiffness
 
 

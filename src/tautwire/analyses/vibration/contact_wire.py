@@ -18,6 +18,7 @@ from tautwire.signals.spectra import (
 Array = NDArray[np.float64]
 
 POINTS_PER_ELEMENT = 4
+"""Even points per shortest element: an element is a cubic, which four points determine."""
 
 
 def even_points(

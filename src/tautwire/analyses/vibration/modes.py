@@ -25,21 +25,33 @@ from tautwire.signals.spectra import Spectrum
 Array = NDArray[np.float64]
 
 PER_SHIFT = 60
-"""Most modes that are sought around one shift."""
+"""Most modes that are sought around one shift: the time of Lanczos' method grows with the square of
+their number, that of a factor is paid per shift. Chosen."""
 
 MOST = 20_000
-"""Most modes in one band; more are refused."""
+"""Most modes in one band; more are refused: their shapes fill gigabytes."""
 
 SEARCH_WIDTH = 0.05
-"""Half width of a search, relative to the frequency that a bare wire would have."""
+"""Half width of a search, relative to the frequency that a bare wire would have; the line's own
+modes of that wavelength lie within 5 % of it (ten spans of AC simple, 2.1 to 5.75 m)."""
 
 SENSITIVE_WITHIN = 0.01
-"""Largest relative distance of a mode's wavelength from the wanted one."""
+"""Largest relative distance of a mode's wavelength from the wanted one: the lengths of a line that
+are told apart differ by more. A longer line of the spectrum counts in its place."""
 
 _EDGE = 1e-7
+"""Relative distance from the outermost modes at which modes are counted: above the error of a
+computed frequency (some 1e-12), below the distance of two modes (2e-5 and more on ten
+spans at 45 Hz)."""
+NEAR, COUNT = 45.0, 20
+"""Where modes are sought [Hz], and how many: those of AC simple with a wavelength of half a dropper
+interval lie at 45 Hz; the number is chosen."""
+_CONCENTRATED = 0.05
+"""Relative distance from a wavelength within which a mode's energy counts for it. Chosen: eight
+lines of the spectrum of 17 spans to either side at the dropper interval."""
 
 
-def modes(model: Model, shape: Equilibrium, *, near: float = 45.0, count: int = 20) -> Modes:
+def modes(model: Model, shape: Equilibrium, *, near: float = NEAR, count: int = COUNT) -> Modes:
     """Find the modes nearest to a frequency.
 
     A line has many modes per Hz, half of them lateral; ``result.ranked()`` puts first those in
@@ -156,7 +168,7 @@ def modes_sensitive_to(
     if not finest <= wavelength < math.inf:
         raise InputError(
             f"wavelength: got {wavelength:g} m; elements of up to {0.5 * finest:.3g} m show "
-            f"wavelengths from {finest:.3g} m on: use more settings.nodes_between_droppers"
+            f"wavelengths from {finest:.3g} m on: shorten settings.longest_element"
         )
     target = near if near is not None else free_wire_frequency(model, shape, wavelength)
     found = modes_between(model, shape, target * (1.0 - width), target * (1.0 + width))
@@ -192,7 +204,7 @@ def concentration(modes: Modes, wavelength: float) -> Array:
     shares = np.empty(len(modes.frequencies))
     for number in range(len(shares)):
         spectrum = mode_spectrum(modes, number)
-        near = np.abs(spectrum.abscissa * wavelength - 1.0) <= 0.05
+        near = np.abs(spectrum.abscissa * wavelength - 1.0) <= _CONCENTRATED
         energy = spectrum.value**2
         shares[number] = energy[near].sum() / max(float(energy.sum()), 1e-300)
     return shares
@@ -269,7 +281,7 @@ def _slices(
 def _slice(vibration: Vibration, low: float, high: float, number: int) -> Pairs:
     """Find the modes of a slice; those nearest to its middle are exactly its own."""
     most = int(vibration.free.sum()) - 1
-    for more in (2, 20):
+    for more in (2, 20):  # the nearest outside come along; where they are crowded, more do
         pairs = _nearest(vibration, 0.5 * (low + high), min(number + more, most))
         own = (pairs.values >= low) & (pairs.values < high)
         if int(own.sum()) == number:

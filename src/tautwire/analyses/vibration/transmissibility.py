@@ -23,25 +23,34 @@ from tautwire.model.equations import equations
 from tautwire.numerics.vibration.harmonic import HarmonicLine
 from tautwire.plain import Plain, named
 from tautwire.results.equilibrium import Equilibrium
+from tautwire.signals.bands import WIDEST
 from tautwire.specs.pantograph import Pantograph
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 TOLERANCE = 0.1
-"""Deviation of ``|T|`` from one that counts as close."""
+"""Deviation of ``|T|`` from one that counts as close; chosen, an option of ``advise``."""
 
 LOWEST = 1.0
 """Lower end of the band looked at [Hz]; below it every contact spring is stiff."""
 
 PER_OCTAVE = 24
+"""Frequencies per octave: eight in each third octave that is averaged over."""
 PLACES = 12
+"""Places in the span that are averaged over; chosen, more than droppers (9), so that none is at the
+same place of every interval."""
 CANDIDATES = (5e4, 1e5, 2e5, 5e5, 1e6)
 """Contact stiffnesses shown for comparison [N/m]."""
 
 _THIRD_OCTAVE = 2.0 ** (1.0 / 6.0)
+"""Half a third octave to either side (IEC 61260)."""
 _SEARCH = (1e3, 1e9)
+"""Contact stiffnesses that are tried [N/m]: far beyond both ends of what is used (50 to 500
+kN/m)."""
 _PER_DECADE = 100
+"""Stiffnesses tried per decade: steps of 2.3 %, finer than the three digits that are shown
+matter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +142,7 @@ def receptance(
     *,
     positions: Sequence[float] | None = None,
     frequencies: ArrayLike | None = None,
-    highest: float = 200.0,
+    highest: float = WIDEST,
 ) -> Receptance:
     """Compute the receptance of the contact wire by harmonic solves of the damped line.
 
@@ -177,7 +186,7 @@ def advise_contact_stiffness(
     response: Receptance,
     pantograph: Pantograph,
     *,
-    band: float = 200.0,
+    band: float = WIDEST,
     tolerance: float = TOLERANCE,
     candidates: Sequence[float] = CANDIDATES,
 ) -> ContactAdvice:

@@ -12,6 +12,7 @@ from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spe
 from tautwire.errors import InputError
 from tautwire.line.expand import expand
 from tautwire.line.measures import intervals
+from tautwire.model.resolution import resolution
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.spectra import Spectrum, Window
 from tautwire.specs.case import Case
@@ -21,8 +22,12 @@ Array = NDArray[np.float64]
 FRACTIONS = (1, 2, 4)
 """Parts of the dropper and support intervals in which the paper finds the energy."""
 
-_NAMED_WITHIN = 0.02
+NAMED_WITHIN = 0.02
+"""Relative distance within which a wavelength is called by a length of the line: the dropper and
+support intervals of real lines differ by more."""
 _BACKGROUND = 0.15
+"""Relative distance up to which the spectrum is background. Chosen: neighbouring multiples of the
+span lie 1/n apart, so that from n = 7 on two or more are within."""
 
 
 @dataclass(frozen=True)
@@ -89,15 +94,22 @@ def line_lengths(case: Case) -> LineLengths:
     found = intervals(expand(case), *case.resolved_section())
     span = _commonest(found.spans)
     dropper, support = _commonest_or_none(found.between), _commonest_or_none(found.beside)
-    divisions = case.settings.nodes_between_droppers - 1
     repeated = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
     return LineLengths(
         span=span,
         dropper_interval=dropper,
         support_interval=support,
         shortest=min([*found.between, *found.beside], default=span),
-        elements=tuple(value / divisions for value in repeated),
+        elements=_elements(case, repeated),
     )
+
+
+def _elements(case: Case, intervals: list[float]) -> tuple[float, ...]:
+    """Return the lengths of elements that the head passes again and again [m]."""
+    nodes = case.settings.nodes_between_droppers
+    if nodes is None:
+        return (resolution(case, expand(case)).longest,)
+    return tuple(value / (nodes - 1) for value in intervals)
 
 
 def _commonest_or_none(values: tuple[float, ...]) -> float | None:
@@ -214,7 +226,7 @@ def name_peaks(
         near = {
             name: abs(place - x)
             for name, place in places.items()
-            if abs(place - x) <= max(lines * spectrum.resolution, _NAMED_WITHIN * place)
+            if abs(place - x) <= max(lines * spectrum.resolution, NAMED_WITHIN * place)
         }
         name = min(near, key=lambda item: near[item]) if near else ""
         peaks.append(Peak(x, float(value[index]), name))

@@ -28,6 +28,7 @@ from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 LOWEST_BAND, HIGHEST_BAND = 5.0, 1000.0
+"""Bands for which advice is given [Hz]: chosen, wider than any record of a contact force."""
 
 
 def give_advice(answer: Answer, reference: str, overrides: Sequence[str], band: float) -> None:

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
-from tautwire.cli.about import program
+from tautwire.cli.about import computation, program
 from tautwire.cli.session import REFUSED, Answer
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.inputs.load import load_case
-from tautwire.line.expand import expand
-from tautwire.model.mesh import divide
 from tautwire.model.preflight import Advice, preflight
+from tautwire.model.resolution import size
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -36,7 +35,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "advice": [item.as_dict() for item in advice],
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
-            "size": _size(case),
+            "size": size(case).as_dict(),
             "taken_over": _taken_over(case),
         }
     )
@@ -61,29 +60,20 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
     return taken
 
 
-def _size(case: Case) -> dict[str, int]:
-    """Return how large the computation will be."""
-    line = expand(case)
-    nodes = divide(line, case.settings).node_count
-    way = case.line.length() - 2.0 * case.settings.start
-    steps = math.ceil(way / case.scenario.speed / case.settings.time_step)
-    return {"droppers": len(line.hangers), "dof": 6 * nodes, "steps": max(steps, 0)}
-
-
 def _summary(case: Case) -> Any:
-    size, (first, last) = _size(case), case.resolved_section()
+    amount, (first, last) = size(case), case.resolved_section()
     target, scenario = case.scenario.target_mean_force(), case.scenario
     forces = ", ".join(f"{force:.1f} N" for force in case.uplift_forces())
     return facts(
         [
             ("line", f"{case.line.spans} spans, {case.line.length():g} m"),
-            ("droppers", str(size["droppers"])),
+            ("droppers", str(amount.droppers)),
             ("section", f"spans {first} to {last}"),
             ("speed", f"{speed(scenario.speed)}, running {scenario.direction}"),
             ("pantographs", ", ".join(entry.name for entry in case.pantographs)),
             ("uplift force", forces if target is None
              else f"tuned to a mean of {target:.2f} N, first guess {forces}"),
-            ("computation", f"{size['dof']} degrees of freedom, {size['steps']} steps per passage"),
+            ("computation", computation(amount)),
         ]
     )  # fmt: skip
 

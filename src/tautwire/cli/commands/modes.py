@@ -11,8 +11,14 @@ from typing import Any
 import numpy as np
 
 from tautwire.analyses.road.shape import find_shape
-from tautwire.analyses.vibration.modes import free_wire_frequency, modes, modes_sensitive_to
-from tautwire.analyses.vibration.wavelengths import LineLengths, line_lengths
+from tautwire.analyses.vibration.modes import (
+    COUNT,
+    NEAR,
+    free_wire_frequency,
+    modes,
+    modes_sensitive_to,
+)
+from tautwire.analyses.vibration.wavelengths import NAMED_WITHIN, LineLengths, line_lengths
 from tautwire.cli.about import program
 from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
@@ -30,8 +36,6 @@ from tautwire.specs.case import Case
 from tautwire.units import UnitError, parse_quantity
 from tautwire.version import __version__
 
-DEFAULT_NEAR = 45.0
-DEFAULT_COUNT = 20
 FEW = 5
 """Modes shown for a wavelength."""
 
@@ -83,8 +87,8 @@ def _computed(
     model = build(case)
     shape = find_shape(model)
     if wavelength is None:
-        near = DEFAULT_NEAR if request.near is None else request.near
-        count = DEFAULT_COUNT if request.count is None else request.count
+        near = NEAR if request.near is None else request.near
+        count = COUNT if request.count is None else request.count
         return shape, modes(model, shape, near=near, count=count)
     answer.say("searching all modes of a band; this can take a minute")
     count = FEW if request.count is None else request.count
@@ -187,7 +191,7 @@ def _row(found: Modes, at: int, lengths: LineLengths) -> tuple[str, ...]:
 def _name(wavelength: float, lengths: LineLengths) -> str:
     """Name the line's own length that a wavelength is within 2 % of."""
     for name, length in lengths.named(elements=False).items():
-        if np.isfinite(wavelength) and abs(wavelength / length - 1.0) <= 0.02:
+        if np.isfinite(wavelength) and abs(wavelength / length - 1.0) <= NAMED_WITHIN:
             return name
     return ""
 

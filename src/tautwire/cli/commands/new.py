@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from tautwire.inputs.completion import shelf_with
 from tautwire.inputs.load import load_case
 from tautwire.inputs.own_line import Choice, Wish, as_text, template, written
 from tautwire.inputs.paths import format_path
+from tautwire.text import as_name
 from tautwire.units import UnitError, parse_quantity
 
 WIRES = ("contact wire", "rope")
@@ -78,7 +78,7 @@ def wish_of(path: Path, answers: Answers) -> Wish:
         Naming every answer that cannot be used.
     """
     problems: list[str] = []
-    wish = Wish(re.sub(r"[^A-Za-z0-9._+-]", "-", path.stem)[:60])
+    wish = Wish(as_name(path.stem))
     for name, read in _READERS.items():
         text = getattr(answers, name)
         if text is None:

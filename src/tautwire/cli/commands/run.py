@@ -13,7 +13,7 @@ from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.validity import judged
 from tautwire.assessment.checks import Criteria
 from tautwire.assessment.limits import known_system, load_limits
-from tautwire.cli.about import program
+from tautwire.cli.about import computation, program
 from tautwire.cli.folders import Files, default_folder, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
@@ -27,6 +27,7 @@ from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.preflight import Advice, preflight
+from tautwire.model.resolution import size
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.files import write_text
@@ -73,6 +74,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         advice = preflight(case)
         refuse_hopeless(advice)
         answer.advise(advice)
+        answer.say(computation(size(case)))
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
             with interrupts.patient():

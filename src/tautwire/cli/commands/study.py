@@ -17,7 +17,7 @@ from tautwire.cli.about import program
 from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
-from tautwire.cli.progress import duration
+from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
 from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
@@ -33,15 +33,18 @@ from tautwire.studies.run import Options, StudyProgress, core_count, run_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import load_study
 from tautwire.studies.table import StudyTable, collect
+from tautwire.text import as_name
 from tautwire.version import __version__
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-SECONDS_BETWEEN_LINES = 20.0
 MOST_ROWS = 30
+"""Rows shown on the terminal: what fits on a screen; the files hold all."""
 MOST_WORKERS = 1000
+"""Workers that may be asked for; a slip of the finger is told before it fills the memory."""
 MOST_ADVISED = 300
+"""Cases whose advice is computed before the work, some ten milliseconds each."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +125,7 @@ def _executor(request: StudyRequest, folder: Path) -> Executor:
 
 
 def _default_folder(plan: Plan) -> Path:
-    return Path("tautwire-study-" + re.sub(r"[^A-Za-z0-9._+-]", "-", plan.study.name))
+    return Path("tautwire-study-" + as_name(plan.study.name))
 
 
 def _opening(plan: Plan) -> str:

@@ -42,17 +42,19 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
     run : Run, optional
         What was computed; without it the choices of the case are named.
     """
-    ends, settings = case.line.ends, case.settings
+    settings = case.settings
     method = settings.integrator
     chosen = HHT(method.alpha) if method.method == "hht" else Newmark()
     used = {} if run is None else run.counters
     return {
         "closure": case.supports.closure,
-        "ends": ends.left if ends.left == ends.right else {"left": ends.left, "right": ends.right},
+        "ends": _ends(case),
         "arm_motion": None if case.supports.closure == "spring" else case.supports.arm.motion,
         "messenger_longitudinal": case.supports.messenger_longitudinal,
+        "mesh": settings.mesh(),
+        "band_hz": settings.band,
         "nodes_between_droppers": settings.nodes_between_droppers,
-        "time_step_s": settings.time_step,
+        "time_step_s": settings.step(),
         "step_control": used.get("step_control", settings.step_control.method),
         "integrator": used.get("integrator", chosen.describe()),
         "backend": backend,
@@ -65,6 +67,12 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
         "is_irregular": case.irregularities != Irregularities(),
         "seed": settings.seed,
     }
+
+
+def _ends(case: Case) -> Any:
+    """Return how wires end: a word or a device for both ends, or one for each."""
+    ends = case.line.ends.to_dict()
+    return ends["left"] if ends["left"] == ends["right"] else ends
 
 
 def static_document(

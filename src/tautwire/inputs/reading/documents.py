@@ -21,7 +21,9 @@ from tautwire.text import unprintable
 
 SUFFIXES = (".yaml", ".yml", ".toml", ".json")
 MAX_DEPTH = 30
+"""Nesting of mappings and lists; a case nests about seven deep."""
 MAX_VALUES = 50_000
+"""Values of a document: a line of a thousand spans with lists of fifty items per span."""
 MAX_INTEGER = 2**63 - 1
 """Largest whole number; TOML 1.0 sets the same bound. No value of a case comes near it."""
 MAX_DIGITS = len(str(MAX_INTEGER))

@@ -13,7 +13,9 @@ from tautwire.errors import InputError, cure_of
 from tautwire.text import shortened
 
 MAX_CASE_BYTES = 1_000_000
+"""The largest number of values takes about half; more is no case file."""
 MAX_TABLE_BYTES = 20_000_000
+"""An hour of a recording at 100 Hz, or a profile of 20 km; reading takes seconds."""
 
 
 def read_case_text(path: Path) -> str:

@@ -27,6 +27,8 @@ from tautwire.numerics.elements.quadrature import gauss_unit
 Array = NDArray[Any]
 
 QUADRATURE_POINTS = 5
+"""Gauss points of an element: exact to degree 9; eps^2 has degree 8, and kappa^2, which is
+rational, is near to degree 2 in a taut wire."""
 _POINTS, _WEIGHTS = gauss_unit(QUADRATURE_POINTS)
 _FIRST, _SECOND = derivative_tables(_POINTS)
 _BOTH = np.concatenate([_FIRST, _SECOND])

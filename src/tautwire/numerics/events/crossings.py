@@ -19,10 +19,19 @@ from tautwire.status import Status
 Array = NDArray[Any]
 
 _LOCATING_STEPS = 20
+"""Most sub-steps to one crossing; the line takes 2 to 4, halving in turn at most 20 to a
+millionth."""
 _MOST_IN_A_STEP = 10
+"""Most crossings in one step: a head does not chatter ten times in a millisecond."""
 _SHORTEST = 1e-9
+"""Share of a step below which an instant is met: rounding of the time of a passage."""
 _EDGE = 0.02
+"""Share of the bracket that a trial keeps from its ends, so that it always shrinks. Chosen: 0.001
+to 0.1 change no loss of AC simple at 330 km/h by 1 us."""
 _AIM = 0.1
+"""Part of the tolerance that a trial aims beyond the crossing, so that it ends on the new side.
+Chosen: with 0.01 and 0.5 the losses of AC simple at 330 km/h move by less than the tolerance is
+worth (0.04 and 0.16 ms of 1.3 to 6.3 ms)."""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,8 +19,6 @@ from tautwire.numerics.motion.stepper import StepBlock, Stepper
 from tautwire.status import Status
 
 Array = NDArray[Any]
-
-MOST_LOSSES = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,15 +133,15 @@ class VariableStep:
     force_tolerance
         The same as a contact force [N]; replaces ``tolerance``.
     most_losses
-        Losses per pantograph after which the integration stops.
+        Losses per pantograph after which the integration stops; without a limit by default.
     corrects_waves
         Stiffen the wires against the loss of wave speed.
     """
 
     time_step: float
-    tolerance: float = 1e-4
+    tolerance: float = 1e-4  # 5 N at 50 kN/m, a fiftieth of the force before a loss
     force_tolerance: float | None = None
-    most_losses: int = MOST_LOSSES
+    most_losses: float = inf
     corrects_waves: bool = False
 
     def integrate(self, task: Task) -> Iterator[Chunk]:
@@ -200,7 +199,7 @@ class LossCounter:
         Losses per pantograph that are followed.
     """
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: float) -> None:
         self._most = most
         self._counts: dict[int, int] = {}
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tautwire.numerics.motion.native_line import NodeOrder, line_arrays
 from tautwire.numerics.motion.step_solver import Clock
 from tautwire.numerics.motion.stepper import (
+    SAME_TIME,
     PantographInput,
     StepBlock,
     StepCounters,
@@ -31,8 +32,8 @@ Array = NDArray[Any]
 Index = NDArray[np.int64]
 
 _CHUNK = 100
-_SAME_TIME = 1e-12
-_RUNNING, _CROSSING = 0, 5
+"""Steps per call of the core, some 5 ms: between them Python sees signals."""
+_RUNNING, _CROSSING = 0, 5  # as in engine.hpp
 _OF_PAIRS = ("contact_force", "gap", "wire_height")
 _OUTCOMES = {
     1: Status.NOT_CONVERGED,
@@ -227,7 +228,7 @@ class NativeStepper:
             "frame": _frames(self._inputs, end),
             "rise": np.repeat(rise, self._paths, axis=1),
             "on_line": _columns(
-                [end >= g.start_time - _SAME_TIME for g in self._inputs], steps, dtype=bool
+                [end >= g.start_time - SAME_TIME for g in self._inputs], steps, dtype=bool
             ),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),

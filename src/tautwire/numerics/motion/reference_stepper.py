@@ -45,6 +45,7 @@ from tautwire.numerics.motion.step_solver import (
     contact_forces,
 )
 from tautwire.numerics.motion.stepper import (
+    SAME_TIME,
     PantographInput,
     StepBlock,
     StepCounters,
@@ -57,8 +58,8 @@ from tautwire.status import Status
 Array = NDArray[Any]
 Index = NDArray[np.int64]
 
-_SAME_TIME = 1e-12
 _MOST_CHAINS = 64
+"""Pantographs' solved steps that are kept, one per length of step; when full, all go."""
 
 
 class ReferenceStepper:
@@ -181,7 +182,7 @@ class ReferenceStepper:
         k = self._options.contact_stiffness
         chains = self._chains_for(c.time_step)
         for i, (given, chain) in enumerate(zip(self._inputs, chains, strict=True)):
-            if end < given.start_time - _SAME_TIME:
+            if end < given.start_time - SAME_TIME:
                 continue
             state = self._state.pantographs[i]
             before = chain.internal(state.z, state.v, given.external(begin))

@@ -18,7 +18,12 @@ from tautwire.numerics.track import Frames
 Array = NDArray[Any]
 
 _SLOW = 0.3
+"""Contraction of an iteration above which it is slow: from there on a new factor, which costs about
+what three iterations do, pays within the digits that are wanted. At 1 ms no step is slow; at 3 ms
+0.2, 0.3 and 0.5 give the same forces to 3e-4 N and, in this backend, 5.6, 5.6 and 3.7 s for 4
+spans."""
 _SLOW_ALLOWED = 2
+"""Slow iterations of a step before a new factor: one may be a dropper that goes slack."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,9 @@ from tautwire.numerics.track import Frames, Track
 from tautwire.status import Status
 
 Array = NDArray[Any]
+
+SAME_TIME = 1e-12
+"""Rounding of an instant of a passage [s]."""
 Index = NDArray[np.int64]
 
 _HISTORIES = (
@@ -181,8 +184,8 @@ class StepOptions:
     integrator: Integrator
     time_step: float
     contact_stiffness: float
-    tolerance: float = 3e-8
-    iterations: int = 30
+    tolerance: float
+    iterations: int = 30  # a step takes 2 or 3; one that takes ten times as many will not end
     full_newton: bool = False
     stiffening: WaveStiffening | None = None
 

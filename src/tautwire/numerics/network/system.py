@@ -185,6 +185,10 @@ class PartMatrices:
     stays: Array
     grounds: Array
 
+    def with_(self, **changes: Array) -> PartMatrices:
+        """Return a copy with the matrices of some kinds replaced."""
+        return replace(self, **changes)
+
     def scaled(
         self,
         *,

@@ -33,7 +33,12 @@ Array = NDArray[Any]
 Index = NDArray[np.int64]
 
 _LARGEST_STEP = {"position": 0.5, "slope": 0.1, "length": 0.05, "force": 1e4}
+"""Largest change in one iteration [m, 1, m, N]: about what a first guess is off. Chosen: a third
+takes one iteration more on an overlap, three times as much changes nothing on the library's
+cases."""
 _INCREMENT = 1e-7
+"""Largest change, over the largest step, that counts as converged: 0.05 um. 1e-6 takes as many
+iterations, 1e-8 one more, which changes heights by rounding alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +99,7 @@ class Form:
     newton: NewtonResult
 
 
-def find_form(problem: FormProblem, residual: float = 1e-4) -> Form:
+def find_form(problem: FormProblem, residual: float) -> Form:
     """Solve for the equilibrium shape.
 
     Parameters

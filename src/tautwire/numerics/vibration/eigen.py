@@ -29,9 +29,14 @@ _NEARLY_ZERO = 1e-13
 _NUDGE = 1e-9
 """Relative change of a shift that hits a mode, or whose count is not sure."""
 
+_TINY = 1e-300
+"""Stands for a pivot of exactly zero; the count is then not sure anyway."""
+
 _NUDGES = 3
+"""Attempts at a shift whose count is sure; one is enough unless modes coincide to 1e-9."""
 
 _LANCZOS_SEED = 20210
+"""Of the first vector, so that a computation repeats; any other does as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +128,7 @@ class Vibration:
             sigma=shift,
             OPinv=operator((n, n), matvec=solve, dtype=np.float64),
             v0=start,
-            ncv=min(n, 2 * count + 20),
+            ncv=min(n, 2 * count + 20),  # ARPACK advises twice the count; few modes need more
         )
         return self._sorted(np.asarray(values), np.asarray(vectors))
 
@@ -221,7 +226,7 @@ def negative_eigenvalues(band: Array) -> tuple[int, bool]:
         is_sure &= bool(sizes.min() > _NEARLY_ZERO * max(1.0, sizes.max()))
         if number < len(besides):
             turned = axes.T @ besides[number]
-            correction = turned.T @ (turned / np.where(values == 0.0, 1e-300, values)[:, None])
+            correction = turned.T @ (turned / np.where(values == 0.0, _TINY, values)[:, None])
     return count, is_sure
 
 
@@ -231,6 +236,7 @@ def _scaled(band: Array) -> Array:
     Slopes and translations have other units; unscaled, the size of a pivot would say little.
     """
     diagonal = np.abs(band[-1])
+    # A diagonal near zero would blow its row up; a thousandth in the scale is small enough.
     scale = 1.0 / np.sqrt(np.maximum(diagonal, 1e-6 * np.abs(band).max(axis=0)))
     result = band * scale
     height = band.shape[0]

@@ -13,14 +13,13 @@ from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
 from tautwire.results.run import Run
 from tautwire.results.statistics import FilteredStatistics
+from tautwire.signals.bands import WIDEST
 from tautwire.signals.spectra import PassingLine, Spectrum, amplitude_spectrum, passing_lines
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
-HIGHEST = 200.0
-WAVELENGTHS = (55.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.0, 0.5)
 
 
 def force_figure(views: Sequence[RunView]) -> go.Figure:
@@ -165,7 +164,7 @@ def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
             continue
         peaks.append(float(spectrum.value[1:].max()))
         look = style.look(item.number)
-        kept = spectrum.abscissa <= HIGHEST
+        kept = spectrum.abscissa <= WIDEST
         figure.add_scatter(
             x=spectrum.abscissa[kept][1:].astype(np.float32),
             y=spectrum.value[kept][1:].astype(np.float32),
@@ -220,8 +219,8 @@ def passings(view: RunView) -> tuple[PassingLine, ...]:
         gaps = x[firsts] - shape.support_x[span[firsts] - 1]
         lengths["support to dropper"] = _commonest(gaps)
     speed = view.run.case.scenario.speed
-    spans_only = passing_lines({"span": lengths.pop("span")}, speed, HIGHEST)
-    return (*spans_only, *passing_lines(lengths, speed, HIGHEST, orders=2))
+    spans_only = passing_lines({"span": lengths.pop("span")}, speed, WIDEST)
+    return (*spans_only, *passing_lines(lengths, speed, WIDEST, orders=2))
 
 
 def _commonest(values: Array) -> float:
@@ -251,7 +250,7 @@ def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
 def _add_wavelength_axis(figure: go.Figure, speed: float) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
     figure.add_scatter(
-        x=[0, HIGHEST], y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip"
+        x=[0, WIDEST], y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip"
     )
     figure.update_layout(
         xaxis9={
@@ -260,8 +259,8 @@ def _add_wavelength_axis(figure: go.Figure, speed: float) -> None:
             "side": "top",
             "title": {"text": "wavelength [m]", "standoff": 4, "font": {"size": 12}},
             "tickmode": "array",
-            "tickvals": [speed / length for length in WAVELENGTHS],
-            "ticktext": [f"{length:g}" for length in WAVELENGTHS],
+            "tickvals": [speed / length for length in style.WAVELENGTHS],
+            "ticktext": [f"{length:g}" for length in style.WAVELENGTHS],
             "tickfont": {"size": 11, "color": style.SOFT},
             "ticks": "outside",
             "ticklen": 3,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 MOST_ENLARGED = 6
+"""Losses drawn enlarged, the longest: three rows of two fill a screen."""
 COLUMNS = 2
 MARGIN = 0.012
 """Time shown before and after a loss [s]."""

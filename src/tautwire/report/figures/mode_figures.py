@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WAVELENGTHS = (55.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5)
 MAP_POINTS = 400
 """Most points of a map along one axis."""
 
@@ -150,7 +149,7 @@ def add_lengths(figure: go.Figure, lengths: Mapping[str, float], highest: float)
 
 def _add_wavelengths(figure: go.Figure, highest: float) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
-    shown = [length for length in WAVELENGTHS if 1.0 / length <= highest]
+    shown = [length for length in style.WAVELENGTHS if 1.0 / length <= highest]
     figure.add_scatter(
         x=[0, highest], y=[None, None], xaxis="x2", showlegend=False, hoverinfo="skip"
     )

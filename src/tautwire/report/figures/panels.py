@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Figure: TypeAlias = "go.Figure"
 
 MOST_POINTS = 8000
+"""Points of a curve: four per pixel of a wide screen, two of which are extremes."""
 GAP = 46
 """Room between two panels for tick labels and a title [px]."""
 

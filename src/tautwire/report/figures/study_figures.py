@@ -28,8 +28,8 @@ BAR_BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
 MOST_SERIES = 6
 """With more combinations of the other axes than this, curves show their mean and range."""
 
-MOST_TICKS = 12
-MOST_BOXES = 12
+MOST_TICKS = MOST_BOXES = 12
+"""Labelled values and boxes of an axis: what fits side by side with a number of five digits."""
 
 MESH = "settings.nodes_between_droppers"
 SEED = "settings.seed"

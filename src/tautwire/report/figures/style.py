@@ -25,6 +25,8 @@ COLOURS = ("#0b3d63", "#d55e00", "#009e73", "#b0578d", "#b58900", "#3a9bdc")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 PATTERNS = ("", "/", "x", ".", "\\", "-")
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "cross")
+WAVELENGTHS = (55.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5)
+"""Labelled wavelengths of an upper axis [m]: a span, and round numbers that do not touch."""
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
 
 

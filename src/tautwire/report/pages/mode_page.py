@@ -26,6 +26,7 @@ from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 MOST_SHAPES = 6
+"""Modes whose shapes are drawn: a page of a screen or two; the table has all."""
 
 
 def write_modes_report(
@@ -59,7 +60,7 @@ def write_modes_report(
 def _masthead(case: Case, found: Modes) -> dict[str, Any]:
     facts = {
         "Line": f"{case.line.spans} spans, {case.line.length():g} m",
-        "Mesh": f"NAD {case.settings.nodes_between_droppers}",
+        "Mesh": case.settings.mesh(),
         "Modes": str(len(found.frequencies)),
     }
     if len(found.frequencies):

@@ -24,6 +24,7 @@ from tautwire.report.parts.blocks import (
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
+from tautwire.signals.bands import WIDEST
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -208,7 +209,7 @@ def force_section(views: Sequence[RunView]) -> Section:
 
 def spectrum_section(views: Sequence[RunView]) -> Section:
     """Write the section of the spectrum."""
-    highest = force_figures.HIGHEST
+    highest = WIDEST
     buttons = tuple(Button(f"0–{f:g} Hz", 0.0, f) for f in (20.0, 50.0, 100.0, highest))
     speeds = {view.run.case.scenario.speed for view in views}
     passing = (

@@ -13,11 +13,12 @@ from tautwire.errors import InputError
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
+from tautwire.signals.bands import WIDEST
 from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass
 
 Array = NDArray[np.float64]
 
-WIDE_CUTOFF = 200.0
+WIDE_CUTOFF = WIDEST
 """Cut-off of the second force curve [Hz]."""
 
 
@@ -185,14 +186,14 @@ def labels_of(runs: Sequence[Run], given: Sequence[str] | None = None) -> list[s
 def _distinctions(run: Run) -> dict[str, str]:
     """Return what can tell runs of the same line apart, the most telling first."""
     case, line = run.case, run.case.line
-    ends = (line.ends.left, line.ends.right)
+    ends = (str(line.ends.left), str(line.ends.right))
     target, count = case.scenario.target_mean_force(), len(case.pantographs)
     prescribed = [f"{record.uplift_force:g} N uplift" for record in run.pantographs]
     return {
         "speed": f"{round(3.6 * case.scenario.speed, 2):g} km/h",
         "stiffness": f"{1e-3 * case.settings.contact_stiffness:g} kN/m",
         "pantographs": f"{count} pantograph{'s' if count > 1 else ''}",
-        "mesh": f"NAD {case.settings.nodes_between_droppers}",
+        "mesh": f"mesh {case.settings.mesh()}",
         "step": _step(run),
         "integrator": case.settings.integrator.method,
         "closure": f"closure {case.supports.closure}",
@@ -208,7 +209,7 @@ def _distinctions(run: Run) -> dict[str, str]:
 def _step(run: Run) -> str:
     """Return step and step control as a label: ``"1 ms"``, ``"adaptive 1 ms"``."""
     settings = run.case.settings
-    size = 1e3 * float(run.counters.get("time_step", settings.time_step))
+    size = 1e3 * float(run.counters.get("time_step", settings.step()))
     method = str(run.counters.get("step_control", settings.step_control.method)).split()[0]
     return f"{size:g} ms" if method == "constant" else f"{method} {size:g} ms"
 

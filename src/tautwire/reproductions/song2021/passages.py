@@ -14,6 +14,12 @@ from tautwire.specs.study import Study
 
 BASE = "ac-simple"
 
+NUMERICS: Mapping[str, Any] = {
+    "settings.nodes_between_droppers": 9,
+    "settings.time_step": "1 ms",
+}
+"""Mesh and time step of the library case as the paper has them, where a study names no others."""
+
 MESHES = (9, 12, 15, 18)
 """Nodes between adjacent droppers (NAD) of section III.A."""
 
@@ -87,7 +93,7 @@ def series(line: str) -> tuple[Reading, ...]:
 SPEEDS = (200, 225, 250, 275, 320)
 """Speeds of Fig. 15 [km/h]."""
 
-TOP_SPEED = 320
+TOP_SPEED = SPEEDS[-1]
 
 OTHER_MEAN = 169.0
 """Mean force at all speeds, the other reading of what the paper leaves open [N]."""
@@ -241,7 +247,7 @@ def passage_study(
             "name": "song2021",
             "title": "Passages of Song, Ronnquist, Navik (2021)",
             "base": BASE,
-            "overrides": dict(changes or {}),
+            "overrides": {**NUMERICS, **(changes or {})},
             "axes": {"passage": {"variants": {name: dict(v) for name, v in variants.items()}}},
             "keep_runs": True,
         }

@@ -85,6 +85,7 @@ LOSS_CONSTANT_1 = (
     None, None, 3.00, 2.00, 22.00, 5.99, 18.00, 7.99, 4.00, 6.99, 2.00, 6.99, 1.00, 2.00, None,
     None,
 )  # fmt: skip
+# Table 3 (see below).
 LOSS_CONSTANT_5 = (
     2.25, 1.25, 4.10, 3.35, 23.71, 7.39, 19.54, 7.10, 5.06, 6.08, 1.44, 4.03, 1.59, 3.53, 1.67,
     2.36,
@@ -95,6 +96,5 @@ LOSS_VARIABLE = (
 )  # fmt: skip
 """Table 3: durations of the losses by constant step 1 ms and 0.2 ms and by variable step [ms]."""
 
-LARGEST_ERROR_CONSTANT_1 = 75.63
-LARGEST_ERROR_CONSTANT_5 = 20.0
+LARGEST_ERROR_CONSTANT_1, LARGEST_ERROR_CONSTANT_5 = 75.63, 20.0
 """Section V: errors with respect to the variable step: of 1 ms, and limit for 0.2 ms [%]."""

@@ -8,10 +8,22 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, form_of, refuse
+from tautwire.specs.base import (
+    LIST,
+    MAPPING,
+    SCALAR,
+    Problem,
+    Quantity,
+    Spec,
+    Typical,
+    form_of,
+    refuse,
+)
+from tautwire.text import LONGEST_NAME
 
+Travel = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="0.5 m to 2 m")]
 SpanLength = Annotated[float, Quantity("m", ge=1.0, le=500.0, typical="40 to 65 m")]
-End = Literal["anchored", "weighted"]
+EndWord = Literal["anchored", "weighted"]
 MOST_SPANS = 1000
 """Spans of a line; a tension length has about twenty."""
 
@@ -29,20 +41,88 @@ class Damping(Spec):
     )
 
 
+class Weights(Spec):
+    """Weights on a tensioning wheel."""
+
+    ratio: Annotated[float, Quantity("", ge=1.0, le=10.0, typical="3 or 5")] = Field(
+        default=1.0, description="Travel of the weights per travel of the wire: 3 for a wheel 1:3."
+    )
+    efficiency: Annotated[float, Quantity("", gt=0.5, le=1.0, typical="0.95 to 0.98")] = Field(
+        default=1.0,
+        description="Efficiency of one direction: the wire pulls tension/efficiency where it lifts "
+        "the weights and tension*efficiency where it lowers them. It acts in conditions; in a "
+        "passage the tension stays what it was.",
+    )
+    rise: Travel | None = Field(
+        default=None,
+        description="How far the weights can rise from their place in the design; unlimited if "
+        "left out.",
+    )
+    sink: Travel | None = Field(
+        default=None,
+        description="How far the weights can sink from their place in the design; unlimited if "
+        "left out.",
+    )
+    inertia: bool = Field(
+        default=False,
+        description="Whether the mass of the weights, tension/(ratio*gravity), moves with the wire "
+        "in a passage.",
+    )
+
+
+class TensionSpring(Spec):
+    """A spring that tensions a wire."""
+
+    stiffness: Annotated[float, Quantity("N/m", gt=0.0, le=1e8, typical="5 to 20 kN/m")] = Field(
+        description="Loss of tension per travel of the end of the wire."
+    )
+    travel: Travel | None = Field(
+        default=None,
+        description="How far the end of the wire can move from its place in the design, either "
+        "way; unlimited if left out.",
+    )
+
+
+class Device(Spec):
+    """A tensioning device: weights or a spring, one for every wire that ends here."""
+
+    weights: Weights | None = Field(default=None, description="Weights on a wheel.")
+    spring: TensionSpring | None = Field(default=None, description="A spring.")
+
+    @model_validator(mode="after")
+    def _check_one_given(self) -> Device:
+        if (self.weights is None) == (self.spring is None):
+            refuse([Problem((), "give exactly one of weights and spring")])
+        return self
+
+    def __str__(self) -> str:
+        return "sprung" if self.spring is not None else "weighted"
+
+
+End = Annotated[
+    Annotated[EndWord, Tag(SCALAR)] | Annotated[Device, Tag(MAPPING)], Discriminator(form_of)
+]
+
+
 class Ends(Spec):
-    """How both wires end after the static shape is found."""
+    """How all wires end after the static shape is found."""
 
     left: End = Field(
-        default="anchored", description="Held ('anchored') or under constant tension ('weighted')."
+        default="anchored",
+        description="Held ('anchored'), under constant tension ('weighted'), or {weights: ...} or "
+        "{spring: ...}.",
     )
     right: End = Field(
-        default="anchored", description="Held ('anchored') or under constant tension ('weighted')."
+        default="anchored",
+        description="Held ('anchored'), under constant tension ('weighted'), or {weights: ...} or "
+        "{spring: ...}.",
     )
 
 
 def ends_from_word(value: Any) -> Any:
-    """Read one word as that of both ends."""
-    return {"left": value, "right": value} if isinstance(value, str) else value
+    """Read one word, or one device, as that of both ends."""
+    is_device = isinstance(value, dict) and not {"left", "right"} & value.keys() and value
+    return {"left": value, "right": value} if isinstance(value, str) or is_device else value
 
 
 class Line(Spec):
@@ -58,18 +138,18 @@ class Line(Spec):
         Annotated[SpanLength, Tag(SCALAR)] | Annotated[tuple[SpanLength, ...], Tag(LIST)],
         Discriminator(form_of),
     ] = Field(description="Length of every span, or a list with one length per span.")
-    masts: tuple[Annotated[str, Field(max_length=60)], ...] | None = Field(
+    masts: tuple[Annotated[str, Field(max_length=LONGEST_NAME)], ...] | None = Field(
         default=None, description="Names of the supports from left to right, as people know them."
     )
     chainage: tuple[Annotated[float, Quantity("m", ge=-1e7, le=1e7)], ...] | None = Field(
         default=None, description="Chainage of the supports from left to right; rising or falling."
     )
-    ends: Annotated[Ends, BeforeValidator(ends_from_word, json_schema_input_type=End | Ends)] = (
-        Field(
-            default=Ends(),
-            description="How both wires end: 'anchored' (held) or 'weighted' (constant tension, "
-            "free to move along the track), for both ends or as {left: ..., right: ...}.",
-        )
+    ends: Annotated[
+        Ends, BeforeValidator(ends_from_word, json_schema_input_type=EndWord | Device | Ends)
+    ] = Field(
+        default=Ends(),
+        description="How both wires end: 'anchored' (held) or 'weighted' (constant tension, "
+        "free to move along the track), for both ends or as {left: ..., right: ...}.",
     )
     damping: Damping = Field(default=Damping(), description="Proportional damping.")
     gravity: Annotated[float, Quantity("m/s^2", gt=0.0, le=100.0, typical="9.81 m/s^2")] = Field(

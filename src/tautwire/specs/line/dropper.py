@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, TABLE, Problem, Quantity, Spec, form_of, refuse
+from tautwire.specs.line.wire import Diameter, Expansion
 from tautwire.units import UnitError, parse_quantity
 
 Most = Field(max_length=200)
@@ -140,6 +141,15 @@ class Droppers(Spec):
     )
     mass: Annotated[float, Quantity("kg/m", ge=0.0, le=10.0, typical="0.09 to 0.12 kg/m")] = Field(
         default=0.0, description="Mass per length; half of a dropper counts at each of its ends."
+    )
+    diameter: Diameter | None = Field(
+        default=None,
+        description="Outer diameter, which wind and ice meet; needed by conditions with either.",
+    )
+    thermal_expansion: Expansion | None = Field(
+        default=None,
+        description="Thermal expansion of the unstrained length; needed by conditions at another "
+        "temperature.",
     )
     clamp_contact: Annotated[float, Quantity("kg", ge=0.0, le=10.0, typical="0.165 kg")] = Field(
         default=0.0, description="Mass of the clamp on the contact wire."

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
-from tautwire.specs.line.catenary import End, Ends, ends_from_word
+from tautwire.specs.line.catenary import Device, Ends, EndWord, ends_from_word
 
 MastNumber = Annotated[int, Field(ge=1, le=1001, strict=True)]
 
@@ -26,12 +26,12 @@ class TensionLength(Spec):
     masts: tuple[MastNumber, MastNumber] = Field(
         description="First and last support, [first, last], where the wires are anchored."
     )
-    ends: Annotated[Ends, BeforeValidator(ends_from_word, json_schema_input_type=End | Ends)] = (
-        Field(
-            default=Ends(),
-            description="How the wires end: 'anchored' (held) or 'weighted' (constant tension), "
-            "for both ends or as {left: ..., right: ...}.",
-        )
+    ends: Annotated[
+        Ends, BeforeValidator(ends_from_word, json_schema_input_type=EndWord | Device | Ends)
+    ] = Field(
+        default=Ends(),
+        description="How the wires end: 'anchored' (held) or 'weighted' (constant tension), "
+        "for both ends or as {left: ..., right: ...}.",
     )
     fixed_point: MastNumber | None = Field(
         default=None,

@@ -14,6 +14,9 @@ Role = Literal["contact", "messenger", "auxiliary", "stitch"]
 Offset = Annotated[float, Quantity("m", ge=-50.0, le=50.0, typical="-9 m, 9 m")]
 Distance = Annotated[float, Quantity("m", gt=0.0, le=5.0, typical="0.5 to 0.7 m")]
 
+Expansion = Annotated[float, Quantity("1/K", gt=0.0, le=1e-3, typical="17e-6 1/K")]
+Diameter = Annotated[float, Quantity("m", gt=0.0, le=0.2, typical="5 to 16 mm")]
+
 ROLES: tuple[Role, ...] = ("contact", "messenger", "auxiliary", "stitch")
 
 
@@ -35,6 +38,15 @@ class Wire(Spec):
         float, Quantity("N m^2", ge=0.0, le=1e6, typical="100 to 200 N m^2")
     ] = Field(
         description="Bending stiffness EI, the same in both directions; 0 for a rope that has none."
+    )
+    diameter: Diameter | None = Field(
+        default=None,
+        description="Outer diameter, which wind and ice meet; needed by conditions with either.",
+    )
+    thermal_expansion: Expansion | None = Field(
+        default=None,
+        description="Thermal expansion of the unstrained length; needed by conditions at another "
+        "temperature.",
     )
 
     role: Role | None = Field(

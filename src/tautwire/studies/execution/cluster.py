@@ -71,7 +71,7 @@ class DaskCluster:
         folder: str | os.PathLike[str],
         *,
         certificates: Path | None = None,
-        timeout: float = 7.0,
+        timeout: float = 7.0,  # asked up to twice before the work: refused within 20 s
     ) -> None:
         self._address, self._store, self._timeout = parse_address(address), Store(folder), timeout
         self._certificates = certificates
@@ -121,7 +121,7 @@ class DaskCluster:
     def __exit__(self, *_: object) -> None:
         if self._client is not None:
             self._running.clear()
-            self._client.close(timeout=5)
+            self._client.close(timeout=5)  # its tasks are cancelled; a lost scheduler never answers
 
     def _meet_workers(self) -> None:
         """See that there are workers, and that those which answer have this version."""

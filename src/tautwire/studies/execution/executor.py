@@ -25,6 +25,8 @@ MOST_LOSSES = 2
 
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _FAILED_STARTS = 3
+"""Starts of each worker in a row that may fail before the study stops: one may fail for want of
+memory."""
 _FAREWELL = 5.0
 """Time for an idle worker to end [s]; far more than it takes, also on a busy machine."""
 

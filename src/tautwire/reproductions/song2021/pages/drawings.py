@@ -26,6 +26,7 @@ POSITION = "position along the track [m]"
 DEVIATION = "standard deviation [N]"
 FREQUENCY = "frequency [Hz]"
 BANDS = ((0.0, 100.0), (100.0, 160.0), (160.0, 200.0), (200.0, 300.0))
+"""Of Fig. 6 [Hz]."""
 
 
 def two_spans(supports: Array) -> tuple[float, float]:

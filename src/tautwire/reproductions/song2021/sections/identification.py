@@ -18,6 +18,7 @@ from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.passages import (
     BASE,
     MESHES,
+    NUMERICS,
     SPEEDS,
     TOP_SPEED,
     UPLIFT_SHARE,
@@ -199,6 +200,7 @@ def static_study() -> Study:
             "schema": 1,
             "name": "song2021-elasticity",
             "base": BASE,
+            "overrides": dict(NUMERICS),
             "axes": {"line": {"variants": variants}},
         }
     )

@@ -30,7 +30,10 @@ from tautwire.signals.spectra import amplitude_spectrum
 Array = NDArray[np.float64]
 
 CUTOFFS = (20, 50, 100, 150, 200)
+"""Of Fig. 5 [Hz]."""
 HIGHEST = 350.0
+"""Upper end of the spectra [Hz]: that of Fig. 6 is 300 Hz, the elements of the finest mesh pass at
+336."""
 SPEED = TOP_SPEED / 3.6
 
 SAME = 1.0

@@ -19,17 +19,18 @@ from tautwire.reproductions.song2021.claims import (
     most,
     near,
 )
-from tautwire.reproductions.song2021.passages import BASE
+from tautwire.reproductions.song2021.passages import BASE, NUMERICS
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 
 FIXINGS = ("free", "fixed")
 LOADS = (100.0, 200.0)
+"""Of Fig. 3 [N]."""
 SPAN = 9
 """Span in the middle of the line whose elasticity is compared."""
 
-ELASTICITY_WITHIN = 0.03
-PRESAG_WITHIN = 0.005
+ELASTICITY_WITHIN, PRESAG_WITHIN = 0.03, 0.005
+"""Relative deviation from values read off a figure, and from a sag that is given in millimetres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +65,9 @@ def compute_statics(changes: Mapping[str, Any] | None = None) -> Statics:
     changes
         Values of the case to replace, by path.
     """
+    own = {**NUMERICS, **(changes or {})}
     cases = {
-        fixing: load_case(BASE, {**(changes or {}), "supports.messenger_longitudinal": fixing})
+        fixing: load_case(BASE, {**own, "supports.messenger_longitudinal": fixing})
         for fixing in FIXINGS
     }
     every = {fixing: elasticities(case) for fixing, case in cases.items()}
@@ -75,7 +77,7 @@ def compute_statics(changes: Mapping[str, Any] | None = None) -> Statics:
         for fixing, (_, by_load) in every.items()
         for load, values in by_load.items()
     }
-    held = load_case(BASE, {**(changes or {}), "supports.closure": "height"})
+    held = load_case(BASE, {**own, "supports.closure": "height"})
     presag = {
         ALWAYS: _presag(cases[FIXINGS[0]], shape),
         Condition("contact wire held at its height", departs=True): _presag(

@@ -30,6 +30,7 @@ from tautwire.reproductions.song2021.sections.mesh import force_comb
 Array = NDArray[np.float64]
 
 CUTOFFS = (20, 50, 200)
+"""Of the changes that section III.B gives [Hz]."""
 CHANGE_WITHIN = 3.0
 """Limit for a change of the standard deviation: percentage points."""
 
@@ -40,6 +41,7 @@ ALIKE = 0.8
 """Least correlation of two histories of the same waveform."""
 
 BANDS = ((0.0, 50.0), (50.0, 200.0))
+"""Of Fig. 8 [Hz]."""
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from tautwire.reproductions.song2021.sections.forces import Passages
 
 WITHIN = {"mean": 0.005, "maximum": 0.03, "minimum": 0.05}
 DEVIATION_WITHIN = 0.02
+"""Relative deviations that count as reproduced; the paper is up to 5 % off the benchmark itself."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from tautwire.reproductions.song2021.claims import (
     least,
     most,
 )
-from tautwire.reproductions.song2021.passages import BASE
+from tautwire.reproductions.song2021.passages import BASE, NUMERICS
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
@@ -116,7 +116,7 @@ def mode_study(meshes: Mapping[str, int], changes: Mapping[str, Any] | None = No
             "schema": 1,
             "name": "song2021-modes",
             "base": BASE,
-            "overrides": dict(changes or {}),
+            "overrides": {**NUMERICS, **(changes or {})},
             "axes": {"mesh": {"variants": variants}},
         }
     )

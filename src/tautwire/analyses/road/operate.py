@@ -1,0 +1,280 @@
+"""A condition: a new equilibrium with the unstrained lengths of the design."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tautwire.analyses.road.faults import refuse_impossible
+from tautwire.analyses.threads import single_threaded
+from tautwire.errors import ConvergenceError, ModelError
+from tautwire.model.build import Model
+from tautwire.model.equations import anchored_ends, at_rest, is_held
+from tautwire.model.operation.devices import (
+    EndState,
+    WireEnd,
+    ends_of_wires,
+    first_state,
+    next_state,
+)
+from tautwire.model.operation.weather import in_weather
+from tautwire.numerics.network.parts import Grounds
+from tautwire.numerics.network.system import System, internal_force, tie_axial_force
+from tautwire.numerics.statics.given_lengths import Settled, Swing, settle
+from tautwire.results.equilibrium import Equilibrium, Operated
+from tautwire.specs.conditions.condition import Condition
+from tautwire.status import Status
+
+Array = NDArray[Any]
+
+_PASSES = 20
+"""Most attempts to find which ends of wires move and which are held."""
+
+
+@single_threaded
+def operate(model: Model, design: Equilibrium) -> Equilibrium:
+    """Find the state of a line in the condition that its case has chosen.
+
+    The unstrained lengths of the design, changed by temperature and defects, are given; plain
+    Newton finds the coordinates. Where that is too far for one step, the change is made in parts.
+
+    Parameters
+    ----------
+    model
+        The line; ``case.condition`` names the condition.
+    design
+        Its design, see :func:`find_shape`.
+
+    Returns
+    -------
+    Equilibrium
+        The design itself without a condition.
+
+    Raises
+    ------
+    ConvergenceError
+        When there is no equilibrium on the way, with how far it could be followed.
+    ModelError
+        When a wire is slack, an arm pushed, or the messenger wire hangs below the contact wire;
+        every place is named.
+    """
+    condition = model.case.chosen_condition
+    if condition is None:
+        return design
+    if design.operated is not None:
+        raise ModelError("a condition starts from the design, not from another condition")
+    ends = ends_of_wires(model, condition)
+    previous = _previous(model, design, condition, ends)
+    states = [first_state(end, p, is_seized=False) for end, p in zip(ends, previous, strict=True)]
+    iterations = 0
+    for _ in range(_PASSES):
+        start, system = _prepared(model, design, condition, ends, states)
+        settled = settle(start, system, _swing(model, system, ends))
+        iterations += settled.iterations
+        _refuse_unsettled(condition, settled)
+        found = [
+            next_state(end, state, p, *_moved(end, design, settled.system))
+            for end, state, p in zip(ends, states, previous, strict=True)
+        ]
+        if found == states:
+            settled = replace(settled, iterations=iterations)
+            shape = _equilibrium(
+                model, design, condition, settled, list(zip(ends, states, strict=True))
+            )
+            refuse_impossible(model, shape)
+            return shape
+        states = found
+    raise ConvergenceError(
+        f"condition {condition.name!r}: the tensioning devices do not settle; check the ranges and "
+        "efficiencies of line.ends"
+    )
+
+
+def _previous(
+    model: Model, design: Equilibrium, condition: Condition, ends: list[WireEnd]
+) -> list[float]:
+    """Return where the ends stood in the state that the line comes from [m]."""
+    if condition.after is None:
+        return [0.0] * len(ends)
+    before = operate(replace(model, case=model.case.with_condition(condition.after)), design)
+    assert before.operated is not None
+    travel = before.operated.end_travel
+    return [float(travel[end.side, end.strand]) for end in ends]
+
+
+def _prepared(
+    model: Model,
+    design: Equilibrium,
+    condition: Condition,
+    ends: list[WireEnd],
+    states: list[EndState],
+) -> tuple[System, System]:
+    """Return the design and the line under the condition, with the same ends held."""
+    held = np.zeros_like(design.end_pulls, dtype=bool)
+    for end, state in zip(ends, states, strict=True):
+        held[end.side, end.strand] = state.travel is not None
+    start = at_rest(model, design, held)
+    system = in_weather(model, start, condition)
+    load = system.load.copy().reshape(-1, 6)
+    for end, state in zip(ends, states, strict=True):
+        if state.travel is None:
+            load[end.node, :3] += (state.pull - _design_pull(design, end)) * end.outward
+    position = _shifted(model, start, ends, states)
+    return start, system.with_(load=load.ravel(), position=position)
+
+
+def _shifted(model: Model, system: System, ends: list[WireEnd], states: list[EndState]) -> Array:
+    """Return coordinates of wires pulled along with their ends, evenly between what is held."""
+    position = system.position.copy().reshape(-1, 6)
+    shift = {end.node: end.outward * s.travel for end, s in zip(ends, states, strict=True)
+             if s.travel is not None}  # fmt: skip
+    for strand in model.mesh.strands:
+        held = [n for n in strand.nodes.tolist() if system.fixed[6 * n]]
+        if not held:
+            continue
+        moved = np.array([shift.get(node, np.zeros(3)) for node in held])
+        at = model.mesh.s[held]
+        for axis in range(3):
+            position[strand.nodes, axis] += np.interp(strand.s, at, moved[:, axis])
+    return position.ravel()
+
+
+def _design_pull(design: Equilibrium, end: WireEnd) -> float:
+    pull = float(design.end_pulls[end.side, end.strand])
+    return pull if end.side else -pull
+
+
+def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
+    """Let everything that holds the wires swing along the track, but for their ends."""
+    tangent = model.mesh.frames.axes[:, 0].copy()
+    tangent[[end.node for end in ends]] = 0.0
+    return Swing(tangent[system.stays.node], tangent[system.grounds.node])
+
+
+def _refuse_unsettled(condition: Condition, settled: Settled) -> None:
+    if settled.status is Status.DONE:
+        return
+    raise ConvergenceError(
+        f"condition {condition.name!r}: an equilibrium was found up to "
+        f"{100.0 * settled.share:.0f} % of the change and none beyond "
+        f"({settled.iterations} iterations, residual {settled.residual:.3g} N). "
+        f"{settled.status.sentence} Look at the line under a smaller change: a wire goes slack, or "
+        "a support lets a wire go sideways"
+    )
+
+
+def _moved(end: WireEnd, design: Equilibrium, system: System) -> tuple[float, float]:
+    """Return how far an end has moved outwards [m], and how hard its wire pulls [N]."""
+    moved = (system.position - design.position).reshape(-1, 6)[end.node, :3]
+    wire = system.with_(grounds=Grounds.none())
+    pull = internal_force(wire, system.position).nodal.reshape(-1, 6)[end.node, :3]
+    return float(moved @ end.outward), float(pull @ end.outward)
+
+
+def _equilibrium(
+    model: Model,
+    design: Equilibrium,
+    condition: Condition,
+    settled: Settled,
+    ends: list[tuple[WireEnd, EndState]],
+) -> Equilibrium:
+    """Read lengths, forces and positions from the line under a condition."""
+    system = settled.system
+    ties, heights = system.ties, model.mesh.heights(system.position)
+    nodes = model.mesh.nodes(at for _, at in model.line.contact_supports)
+    before = at_rest(model, design, anchored_ends(model))
+    shape = replace(
+        design,
+        position=system.position,
+        cable_lengths=system.cables.length,
+        dropper_lengths_unstrained=ties.length,
+        dropper_lengths=ties.state(system.position).length,
+        dropper_forces=tie_axial_force(system, system.position),
+        dropper_heights=heights[ties.nodes[:, 1]],
+        support_heights=heights[nodes],
+        **_held(model, design, system),
+        joint_pulls=system.clamps.pull(system.position),
+        weight=design.weight - float((system.load - before.load)[2::6].sum()),
+        reaction=design.reaction + _supported(system) - _supported(before),
+        iterations=settled.iterations,
+        residual=settled.residual,
+    )
+    return replace(shape, **_at_ends(design, condition, system, ends))
+
+
+def _held(model: Model, design: Equilibrium, system: System) -> dict[str, Array]:
+    """Return how arms and springs hold the contact wires."""
+    nodes = model.mesh.nodes(at for _, at in model.line.contact_supports)
+    arms = nodes[design.arm_supports - 1]
+    force, end, apart = _arms(model, design, system, arms)
+    springs = np.zeros((system.node_count, 3))
+    np.add.at(springs, system.grounds.node, system.grounds.pull(system.position))
+    upward = model.mesh.frames.components(springs)[nodes, 2]
+    is_spring = design.contact_preloads != 0.0
+    return {
+        "contact_preloads": design.contact_preloads - np.where(is_spring, upward, 0.0),
+        "arm_forces": force,
+        "arm_angles": np.arctan2(apart[:, 2], np.abs(apart[:, 1])),
+        "arm_ends": end,
+    }
+
+
+def _arms(
+    model: Model, design: Equilibrium, system: System, nodes: Any
+) -> tuple[Array, Array, Array]:
+    """Return forces and far ends of the arms, and their ends as seen from the wires.
+
+    An arm that is no longer there carries nothing. One that acts as a vertical spring pulls
+    sideways as much as holds its wire there.
+    """
+    frames, stays = model.mesh.frames[nodes], system.stays
+    wire, before = (
+        frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
+    )
+    axial = stays.axial_force(stays.state(system.position).length)
+    rows = {int(node): row for row, node in enumerate(stays.node)}
+    bare = system.with_(grounds=Grounds.none())
+    missing = internal_force(bare, system.position).nodal - system.load
+    lateral = frames.components(missing.reshape(-1, 6)[nodes, :3])[:, 1]
+    along = np.stack([model.mesh.s[nodes], *np.zeros((2, len(nodes)))], axis=1)
+    force, end = np.zeros(len(nodes)), design.arm_ends - along
+    end[:, 0] += wire[:, 0] - before[:, 0]
+    for arm, node in enumerate(nodes.tolist()):
+        if node in rows:
+            force[arm] = axial[rows[node]]
+            end[arm] = frames[arm].to_local(stays.end[rows[node]])
+        elif is_held(system, node, frames.axes[arm, 1]):
+            apart = end[arm] - wire[arm]
+            force[arm] = lateral[arm] * np.hypot(apart[1], apart[2]) / apart[1]
+    return force, end + along, end - wire
+
+
+def _supported(system: System) -> float:
+    """Return the sum of the vertical forces of fixed points, springs and arms [N]."""
+    q, stays = system.position, system.stays
+    held = (internal_force(system, q).nodal - system.load)[2::6][system.fixed[2::6]]
+    arms = stays.state(q)
+    pull = stays.axial_force(arms.length) * arms.direction[2]
+    return float(held.sum() - system.grounds.pull(q)[:, 2].sum() - pull.sum())
+
+
+def _at_ends(
+    design: Equilibrium,
+    condition: Condition,
+    system: System,
+    ends: list[tuple[WireEnd, EndState]],
+) -> dict[str, Any]:
+    """Return how far the ends of the wires have moved, what they do, and how the wires pull."""
+    travel = np.full_like(design.end_pulls, np.nan)
+    pulls = np.zeros_like(travel)
+    words = [["clamped"] * len(design.wire_names) for _ in range(2)]
+    for end, state in ends:
+        moved, pull = _moved(end, design, system)
+        travel[end.side, end.strand] = moved
+        pulls[end.side, end.strand] = pull if end.side else -pull
+        words[end.side][end.strand] = state.word
+    told = tuple(words[0]), tuple(words[1])
+    return {"end_pulls": pulls, "operated": Operated(condition, design, system, travel, told)}

@@ -1,0 +1,1 @@
+"""In what state a line is: its weather, its wear, its defects."""
