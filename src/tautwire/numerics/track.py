@@ -29,6 +29,7 @@ _PANEL = 25.0
 """Longest stretch over which positions are integrated at once [m]: the heading turns by a quarter
 at most even on a radius of 100 m, for which the rule is exact to rounding."""
 _POINTS = 8
+"""Points of the rule per stretch: its error there is below 1e-15 of the length."""
 
 
 @dataclass(frozen=True, eq=False)
