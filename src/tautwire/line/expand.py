@@ -12,6 +12,7 @@ import numpy as np
 
 from tautwire.line.alignment import alignment
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
+from tautwire.line.defects import marks
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -65,6 +66,7 @@ def expand(case: Case) -> Line:
         registrations=tuple(sorted(registrations, key=lambda piece: piece.at.s)),
         suspensions=tuple(sorted(suspensions, key=lambda piece: piece.at.s)),
         joints=tuple(joints),
+        marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
 
 

@@ -22,6 +22,10 @@ Role = Literal["contact", "messenger", "auxiliary", "stitch"]
 Termination = Literal["anchored", "weighted", "clamped"]
 
 
+BESIDE = 0.05
+"""A mark nearer to an attachment than this is at the attachment [m]: droppers are no closer."""
+
+
 @dataclass(frozen=True)
 class At:
     """A point of a run."""
@@ -210,6 +214,8 @@ class Line:
     track : Track
     masts : tuple of float m
     runs, hangers, joints, registrations, suspensions : tuples of pieces
+    marks : tuple of At
+        Other places at which a wire needs a node.
     """
 
     track: Track
@@ -219,6 +225,7 @@ class Line:
     registrations: tuple[Registration, ...]
     suspensions: tuple[Suspension, ...]
     joints: tuple[Joint, ...] = ()
+    marks: tuple[At, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Run]:
@@ -254,6 +261,9 @@ class Line:
         points: dict[str, list[float]] = {run.name: [run.start.s, run.end.s] for run in self.runs}
         for at in _places(self):
             points[at.run].append(at.s)
+        for at in self.marks:
+            if min(abs(at.s - s) for s in points[at.run]) > BESIDE:
+                points[at.run].append(at.s)
         return {name: sorted(set(values)) for name, values in points.items()}
 
     def points(self, run: str) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,12 @@ def anchored_ends(model: Model) -> NDArray[np.bool_]:
     return np.array(ends) == "anchored"
 
 
-def at_rest(model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]) -> System:
+def at_rest(
+    model: Model,
+    shape: Equilibrium,
+    anchored: NDArray[np.bool_],
+    broken: Collection[int] = (),
+) -> System:
     """Return the line in its design, with some ends of wires held along the track.
 
     Parameters
@@ -76,6 +82,8 @@ def at_rest(model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]) -> Sy
         Its design.
     anchored : (2, n_wire) bool
         Which left and right ends are held.
+    broken
+        Rows of registrations that hold nothing.
     """
     line, mesh, gravity = model.line, model.mesh, model.case.line.gravity
     built = model.form.system
@@ -83,7 +91,7 @@ def at_rest(model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]) -> Sy
     stays, grounds = Stays.none(), suspension_grounds(line, mesh, shape.suspension_free_heights)
     tensioning = tensioning_devices(model, shape.position)
     mass = tensioning.mass
-    for group, rest in registrations_at_rest(line, mesh, shape, gravity):
+    for group, rest in registrations_at_rest(line, mesh, shape, gravity, broken):
         stays, grounds = stays.joined(rest.stays), grounds.joined(rest.grounds)
         load[group.nodes, :3] += rest.load
         held[group.nodes, 1] = rest.is_held_sideways

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,10 +50,12 @@ class Group:
         return self.frames.to_local(vectors[self.nodes])
 
 
-def groups(line: Line, mesh: Mesh) -> Iterator[Group]:
-    """Yield the registrations of a line kind by kind."""
+def groups(line: Line, mesh: Mesh, without: Collection[int] = ()) -> Iterator[Group]:
+    """Yield the registrations of a line kind by kind, some rows left out."""
     kinds: dict[Closure, list[int]] = {}
     for row, piece in enumerate(line.registrations):
+        if row in without:
+            continue
         kinds.setdefault(piece.kind, []).append(row)
     for kind, rows in kinds.items():
         pieces = [line.registrations[row] for row in rows]
@@ -115,12 +117,15 @@ def held_registrations(
 
 
 def registrations_at_rest(
-    line: Line, mesh: Mesh, shape: Equilibrium, gravity: float
+    line: Line, mesh: Mesh, shape: Equilibrium, gravity: float, broken: Collection[int]
 ) -> Iterator[tuple[Group, AtRest]]:
-    """Yield what holds the contact wires once the shape is found, kind by kind, in place."""
+    """Yield what holds the contact wires once the shape is found, kind by kind, in place.
+
+    Broken rows are left out.
+    """
     r = shape.position.reshape(-1, 6)[:, :3]
     held = _held_in(line, shape)
-    for group in groups(line, mesh):
+    for group in groups(line, mesh, broken):
         own = Held(*(getattr(held, n)[group.rows] for n in ("force", "angle", "end", "preload")))
         rest = group.kind.at_rest(group.nodes, group.local(r), own, group.gravity(gravity))
         yield (

@@ -55,6 +55,7 @@ PER_CASE = (
     Quantity("dropper_force_max", "N", "largest dropper force"),
     Quantity("dropper_slack_longest", "s", "longest time that a dropper is slack"),
     Quantity("advised_cutoff", "Hz", "cut-off that covers a quarter of the shortest interval"),
+    Quantity("carried_band", "Hz", "highest frequency that mesh and time step carry"),
     Quantity("steps", "1", "time steps of the last passage"),
     Quantity("tuning_passes", "1", "passages computed to tune the mean force"),
 )

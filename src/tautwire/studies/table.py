@@ -27,6 +27,7 @@ _TEXTS = {
     "reason": "why the case failed",
     "key": "what identifies the result: input, version, what is computed",
     "backend": "kernels that computed the case",
+    "marked": "figures that mesh and time step do not carry",
 }
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
@@ -82,9 +83,10 @@ class StudyTable:
         Names along pantograph, filter and band.
     variables : mapping of str to Variable
         Numbers; NaN where a case has none.
-    status, reason, key, backend : arrays of str over the dimensions
+    status, reason, key, backend, marked : arrays of str over the dimensions
         ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed);
-        why; what identifies the result; the kernels that computed it.
+        why; what identifies the result; the kernels that computed it; the columns whose figures
+        mesh and time step do not carry.
     """
 
     study: Study
@@ -95,6 +97,7 @@ class StudyTable:
     reason: NDArray[np.object_]
     key: NDArray[np.object_]
     backend: NDArray[np.object_]
+    marked: NDArray[np.object_]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -121,6 +124,18 @@ class StudyTable:
             return ""
         listed = ", ".join(f"{name}: {n} cases" for name, n in zip(kernels, numbers, strict=True))
         return f"cases were computed by different kernels, equal but for the last digits ({listed})"
+
+    def carries(self, index: tuple[int, ...], column: str) -> bool:
+        """Return whether mesh and time step of a case carry a figure.
+
+        Parameters
+        ----------
+        index
+            Place of the case along the dimensions of the study.
+        column
+            ``"std_0_200"``, or ``"losses"``.
+        """
+        return column not in str(self.marked[index]).split(", ")
 
     def __getitem__(self, name: str) -> Variable:
         """Return a variable by name."""
@@ -269,8 +284,11 @@ def collect(plan: Plan, store: Store) -> StudyTable:
         row = rows.get(point.key)
         status = str(row["status"]) if row else REFUSED if point.problems else MISSING
         reason = str(row["reason"]) if row else "; ".join(point.problems)
-        backend = str(row["values"].get("backend", "")) if row else ""
-        for name, text in zip(_TEXTS, (status, reason, point.key, backend), strict=True):
+        backend, marks = (
+            str(row["values"].get(name, "")) if row else "" for name in ("backend", "marked")
+        )
+        told = (status, reason, point.key, backend, marks)
+        for name, text in zip(_TEXTS, told, strict=True):
             texts[name][at] = text
         if row is not None:
             _fill(arrays, at, row, labels)

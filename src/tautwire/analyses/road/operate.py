@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from tautwire.analyses.road.faults import refuse_impossible
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
+from tautwire.line.defects import Placed, placed
 from tautwire.model.build import Model
 from tautwire.model.equations import anchored_ends, at_rest, is_held
+from tautwire.model.operation.defects import lumps, with_defects, without_broken
 from tautwire.model.operation.devices import (
     EndState,
     WireEnd,
@@ -20,7 +22,7 @@ from tautwire.model.operation.devices import (
     first_state,
     next_state,
 )
-from tautwire.model.operation.weather import in_weather
+from tautwire.model.operation.weather import in_weather, reweighed
 from tautwire.numerics.network.parts import Grounds
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.numerics.statics.given_lengths import Settled, Swing, settle
@@ -29,6 +31,8 @@ from tautwire.specs.conditions.condition import Condition
 from tautwire.status import Status
 
 Array = NDArray[Any]
+
+Ends = list[tuple[WireEnd, EndState]]
 
 _PASSES = 20
 """Most attempts to find which ends of wires move and which are held."""
@@ -66,27 +70,29 @@ def operate(model: Model, design: Equilibrium) -> Equilibrium:
         return design
     if design.operated is not None:
         raise ModelError("a condition starts from the design, not from another condition")
-    ends = ends_of_wires(model, condition)
-    previous = _previous(model, design, condition, ends)
-    states = [first_state(end, p, is_seized=False) for end, p in zip(ends, previous, strict=True)]
+    defects = placed(model.line, condition)
+    wires = ends_of_wires(model, condition)
+    previous = _previous(model, design, condition, wires)
+    ends = [
+        (end, first_state(end, before, is_seized=_is_seized(model, end, defects)))
+        for end, before in zip(wires, previous, strict=True)
+    ]
     iterations = 0
     for _ in range(_PASSES):
-        start, system = _prepared(model, design, condition, ends, states)
-        settled = settle(start, system, _swing(model, system, ends))
+        start, system = _prepared(model, design, condition, defects, ends)
+        settled = settle(start, system, _swing(model, system, wires))
         iterations += settled.iterations
         _refuse_unsettled(condition, settled)
         found = [
-            next_state(end, state, p, *_moved(end, design, settled.system))
-            for end, state, p in zip(ends, states, previous, strict=True)
+            (end, next_state(end, state, before, *_moved(end, design, settled.system)))
+            for (end, state), before in zip(ends, previous, strict=True)
         ]
-        if found == states:
+        if found == ends:
             settled = replace(settled, iterations=iterations)
-            shape = _equilibrium(
-                model, design, condition, settled, list(zip(ends, states, strict=True))
-            )
+            shape = _equilibrium(model, design, condition, settled, ends)
             refuse_impossible(model, shape)
             return shape
-        states = found
+        ends = found
     raise ConvergenceError(
         f"condition {condition.name!r}: the tensioning devices do not settle; check the ranges and "
         "efficiencies of line.ends"
@@ -105,34 +111,35 @@ def _previous(
     return [float(travel[end.side, end.strand]) for end in ends]
 
 
+def _is_seized(model: Model, end: WireEnd, defects: Placed) -> bool:
+    run = model.mesh.strands[end.strand].run
+    return (run.name, "right" if end.side else "left") in defects.seized
+
+
 def _prepared(
-    model: Model,
-    design: Equilibrium,
-    condition: Condition,
-    ends: list[WireEnd],
-    states: list[EndState],
+    model: Model, design: Equilibrium, condition: Condition, defects: Placed, ends: Ends
 ) -> tuple[System, System]:
-    """Return the design and the line under the condition, with the same ends held."""
+    """Return the design and the line under the condition, with the same parts and ends held."""
     held = np.zeros_like(design.end_pulls, dtype=bool)
-    for end, state in zip(ends, states, strict=True):
+    for end, state in ends:
         held[end.side, end.strand] = state.travel is not None
-    start = at_rest(model, design, held)
-    system = in_weather(model, start, condition)
+    start = without_broken(model, at_rest(model, design, held, defects.arms), defects)
+    changed = in_weather(model, with_defects(model, start, defects), condition, defects.missing)
+    gravity = model.case.line.gravity
+    system = reweighed(start, changed, lumps(model, defects), gravity)
     load = system.load.copy().reshape(-1, 6)
-    for end, state in zip(ends, states, strict=True):
+    for end, state in ends:
         if state.travel is None:
             load[end.node, :3] += (state.pull - _design_pull(design, end)) * end.outward
-    position = _shifted(model, start, ends, states)
-    return start, system.with_(load=load.ravel(), position=position)
+    return start, system.with_(load=load.ravel(), position=_shifted(model, system, ends))
 
 
-def _shifted(model: Model, system: System, ends: list[WireEnd], states: list[EndState]) -> Array:
+def _shifted(model: Model, system: System, ends: Ends) -> Array:
     """Return coordinates of wires pulled along with their ends, evenly between what is held."""
     position = system.position.copy().reshape(-1, 6)
-    shift = {end.node: end.outward * s.travel for end, s in zip(ends, states, strict=True)
-             if s.travel is not None}  # fmt: skip
+    shift = {e.node: e.outward * s.travel for e, s in ends if s.travel is not None}
     for strand in model.mesh.strands:
-        held = [n for n in strand.nodes.tolist() if system.fixed[6 * n]]
+        held = [node for node in strand.nodes.tolist() if system.fixed[6 * node]]
         if not held:
             continue
         moved = np.array([shift.get(node, np.zeros(3)) for node in held])
@@ -179,7 +186,7 @@ def _equilibrium(
     design: Equilibrium,
     condition: Condition,
     settled: Settled,
-    ends: list[tuple[WireEnd, EndState]],
+    ends: Ends,
 ) -> Equilibrium:
     """Read lengths, forces and positions from the line under a condition."""
     system = settled.system
@@ -196,13 +203,22 @@ def _equilibrium(
         dropper_heights=heights[ties.nodes[:, 1]],
         support_heights=heights[nodes],
         **_held(model, design, system),
-        joint_pulls=system.clamps.pull(system.position),
+        joint_pulls=_joint_pulls(model, system),
         weight=design.weight - float((system.load - before.load)[2::6].sum()),
         reaction=design.reaction + _supported(system) - _supported(before),
         iterations=settled.iterations,
         residual=settled.residual,
     )
     return replace(shape, **_at_ends(design, condition, system, ends))
+
+
+def _joint_pulls(model: Model, system: System) -> Array:
+    """Return the pulls of all joints; one that is broken pulls nothing."""
+    pulls = system.clamps.pull(system.position)
+    pairs = map(tuple, system.clamps.nodes.tolist())
+    found = dict(zip(pairs, pulls, strict=True))
+    joints = [(model.mesh.node(j.host), model.mesh.node(j.other)) for j in model.line.joints]
+    return np.array([found.get(nodes, np.zeros(3)) for nodes in joints]).reshape(-1, 3)
 
 
 def _held(model: Model, design: Equilibrium, system: System) -> dict[str, Array]:
@@ -265,7 +281,7 @@ def _at_ends(
     design: Equilibrium,
     condition: Condition,
     system: System,
-    ends: list[tuple[WireEnd, EndState]],
+    ends: Ends,
 ) -> dict[str, Any]:
     """Return how far the ends of the wires have moved, what they do, and how the wires pull."""
     travel = np.full_like(design.end_pulls, np.nan)

@@ -159,9 +159,9 @@ def _present(answer: Answer, run: Run, criteria: Criteria, advice: Sequence[str]
     """Fill the document and show the summary."""
     statistics = contact_statistics(run)
     found = criteria.checks(statistics, run.case)
-    later = [*run.warnings, *statistics.notes]
-    answer.warn(later)
-    answer.document.update(run_document(run, statistics, found, [*advice, *later]))
+    warnings = [*run.warnings, *statistics.notes]
+    answer.warn([text for text in warnings if text not in advice])
+    answer.document.update(run_document(run, statistics, found, warnings))
     answer.show(*run_view(run, statistics, found))
     if run.status == "partial":
         answer.say(run.message, style="yellow")

@@ -33,7 +33,7 @@ from tautwire.studies.run import Options, StudyProgress, core_count, run_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import load_study
 from tautwire.studies.table import StudyTable, collect
-from tautwire.text import as_name
+from tautwire.text import MARK, as_name, marked
 from tautwire.version import __version__
 
 if TYPE_CHECKING:
@@ -257,8 +257,9 @@ def _view(found: StudyTable, last: StudyProgress | None, elapsed: float) -> list
 
 
 def _window(found: StudyTable) -> str:
+    marks = f"; {MARK}: mesh and time step do not carry it" if any(found.marked.ravel()) else ""
     first = "" if found.status.size <= MOST_ROWS else f"the first {MOST_ROWS}; "
-    return f"{first}leading pantograph, sharp filter, forces in N; all in table.csv"
+    return f"{first}leading pantograph, sharp filter, forces in N; all in table.csv{marks}"
 
 
 def _case_table(found: StudyTable) -> Any:
@@ -273,18 +274,26 @@ def _case_table(found: StudyTable) -> Any:
         if found.status[index] != "done":
             rows.append((*shown, str(found.status[index]), *[""] * (2 + len(bands))))
             continue
-        rows.append((*shown, *_forces(found, (*index, 0, 0), bands)))
+        rows.append((*shown, *_forces(found, index, bands)))
     heads = [title.replace(" ", "\n") for _, title, _ in axes]
     names = [f"σ\n{band.replace('_', '-')}" for band in bands]
     return table((*heads, "mean", *names, "max", "min"), "r" * (len(axes) + 3 + len(bands)), rows)
 
 
-def _forces(found: StudyTable, leading: tuple[int, ...], bands: Sequence[str]) -> list[str]:
+def _forces(found: StudyTable, index: tuple[int, ...], bands: Sequence[str]) -> list[str]:
     """Return mean, standard deviations and extremes of the leading pantograph."""
-    at = found.labels["band"].index
-    deviations = [float(found["std"].values[(*leading, at(band))]) for band in bands]
-    mean, high, low = (float(found[n].values[leading]) for n in ("mean", "maximum", "minimum"))
-    return [number(value) for value in (mean, *deviations, high, low)]
+    at, leading = found.labels["band"].index, (*index, 0, 0)
+    deviations = [
+        marked(
+            number(float(found["std"].values[(*leading, at(band))])),
+            is_carried=found.carries(index, f"std_{band}"),
+        )
+        for band in bands
+    ]
+    mean, high, low = (
+        number(float(found[n].values[leading])) for n in ("mean", "maximum", "minimum")
+    )
+    return [mean, *deviations, high, low]
 
 
 class StudyWatch:

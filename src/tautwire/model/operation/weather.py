@@ -6,6 +6,7 @@ counts its stretched length in the design.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -15,15 +16,19 @@ from tautwire.formulas.wear import bending_left, height_left
 from tautwire.line.pieces import Hanger, Run
 from tautwire.model.build import Model
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.network.parts import Cables
+from tautwire.numerics.network.parts import Cables, Ties
 from tautwire.numerics.network.system import System, weight_load
 from tautwire.specs.conditions.condition import Condition
 
 Array = NDArray[Any]
 
 
-def in_weather(model: Model, system: System, condition: Condition) -> System:
+def in_weather(
+    model: Model, system: System, condition: Condition, missing: Collection[int] = ()
+) -> System:
     """Return a line at the temperature of a condition, iced, worn and in its wind.
+
+    Its weight is still the old one, see :func:`reweighed`.
 
     Parameters
     ----------
@@ -31,14 +36,33 @@ def in_weather(model: Model, system: System, condition: Condition) -> System:
     system
         At rest in its design.
     condition
+    missing
+        Rows of droppers that are not there.
     """
     cables, wind = _wires(model, system, condition)
-    ties, load = _droppers(model, system, condition)
-    hung = ties.hanging_mass(system.node_count) - system.ties.hanging_mass(system.node_count)
-    changed = system.with_(cables=cables, ties=ties, node_mass=system.node_mass + hung)
-    gravity = model.case.line.gravity
-    weight = weight_load(changed, gravity) - weight_load(system, gravity)
-    return changed.with_(load=system.load + weight + wind + load)
+    ties, load = _droppers(model, system, condition, missing)
+    return system.with_(cables=cables, ties=ties, load=system.load + wind + load)
+
+
+def reweighed(before: System, after: System, lumps: Array, gravity: float) -> System:
+    """Return a changed line with the masses of its nodes and with its weight.
+
+    Parameters
+    ----------
+    before
+        With its weight among the loads.
+    after
+        With other lengths and masses of wires and droppers.
+    lumps : (n_node,) kg
+        Added to the nodes.
+    gravity
+        [m/s2]
+    """
+    count = before.node_count
+    hung = after.ties.hanging_mass(count) - before.ties.hanging_mass(count)
+    load = after.load + weight_load(after, gravity) - weight_load(before, gravity)
+    load[2::6] -= gravity * lumps
+    return after.with_(node_mass=after.node_mass + hung + lumps, load=load)
 
 
 def _across(model: Model) -> Array:
@@ -86,10 +110,15 @@ def _wire_numbers(run: Run, condition: Condition) -> tuple[float, float, float, 
     return growth, 1.0 - worn, bending_left(worn), mass, wind
 
 
-def _droppers(model: Model, system: System, condition: Condition) -> tuple[Any, Array]:
+def _droppers(
+    model: Model, system: System, condition: Condition, missing: Collection[int]
+) -> tuple[Ties, Array]:
     """Return the droppers and the wind on them, half of it on either end."""
     ties, line = system.ties, model.line
-    numbers = [_dropper_numbers(hanger, condition) for hanger in line.hangers]
+    numbers = [
+        (1.0, 0.0, 0.0) if row in missing else _dropper_numbers(hanger, condition)
+        for row, hanger in enumerate(line.hangers)
+    ]
     growth, ice, wind = np.array(numbers).reshape(-1, 3).T
     length = ties.state(system.position).length
     changed = ties.of_length(ties.length * growth)

@@ -29,6 +29,7 @@ from tautwire.results.files import write_text
 from tautwire.signals.filters import SharpLowpass
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import StudyTable
+from tautwire.text import MARK, marked
 from tautwire.version import __version__
 
 MOST_ROWS = 1000
@@ -131,7 +132,7 @@ def _figures(table: StudyTable) -> Section:
     notes = (
         f"Filter: {SharpLowpass().describe()}, with the cut-off of each curve. The whole record is "
         "filtered, then the analysed section is cut out. The advised cut-off covers a quarter of "
-        "the shortest dropper or support interval."
+        f"the shortest dropper or support interval.{_marks(table)}"
     )
     blocks = [
         chart(name, figure, f"{caption}. {notes}", caption + ".")
@@ -160,13 +161,20 @@ def _rows(table: StudyTable) -> Section:
         f" The first {MOST_ROWS} of {table.status.size}." if table.status.size > MOST_ROWS else ""
     )
     block = Table(
-        f"Cases, filter {_kind(table)}, forces of the section at 0 to 20 Hz.{more}",
+        f"Cases, filter {_kind(table)}, forces of the section at 0 to 20 Hz.{more}{_marks(table)}",
         ("case", *(title for _, title, _ in axes), "status", *(head for head, _ in columns)),
         "r" + "r" * len(axes) + "l" + "r" * len(columns),
         tuple(rows),
     )
     many = len(rows) > 60
     return Section("cases", "Cases", (Details("All cases", (block,)) if many else block,))
+
+
+def _marks(table: StudyTable) -> str:
+    """Say what the mark means, where it stands."""
+    if not any(table.marked.ravel()):
+        return ""
+    return f" {MARK}: mesh and time step do not carry the figure (settings.band)."
 
 
 def _kind(table: StudyTable) -> str:
@@ -196,12 +204,20 @@ def _columns(table: StudyTable) -> Any:
                 at = table.labels[BAND].index(band)
                 yield (
                     f"{own}σ {band.replace('_', '–')} Hz [N]",
-                    lambda i, w=who, b=at: number(float(table["std"].values[(*i, w, kind, b)])),
+                    lambda i, w=who, b=at, c=f"std_{band}": marked(
+                        number(float(table["std"].values[(*i, w, kind, b)])),
+                        is_carried=table.carries(i, c),
+                    ),
                 )
         yield f"{own}σ advised [N]", lambda i, f=force: f(i, "std_advised")
         yield f"{own}max [N]", lambda i, f=force: f(i, "maximum")
         yield f"{own}min [N]", lambda i, f=force: f(i, "minimum")
-        yield f"{own}loss [%]", lambda i, f=single: f(i, "loss_percent", 2)
+        yield (
+            f"{own}loss [%]",
+            lambda i, f=single: marked(
+                f(i, "loss_percent", 2), is_carried=table.carries(i, "losses")
+            ),
+        )
     yield "uplift [mm]", lambda i: number(1e3 * float(table["uplift_max"].values[i]))
 
 
