@@ -20,6 +20,8 @@ from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Grounds, Path,
 from tautwire.numerics.network.system import System, internal_force, lumped_mass
 from tautwire.numerics.newmark import Integrator, Newmark
 from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
+from tautwire.numerics.statics.loaded_line import LoadedLine
+from tautwire.numerics.statics.window import Push, Pushed
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 
@@ -34,6 +36,12 @@ def stretch_under(tension: float, axial_stiffness: float) -> float:
     """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
     roots = np.roots([0.5 * axial_stiffness, 0.0, -0.5 * axial_stiffness, -tension])
     return float(roots.real.max())
+
+
+def loaded(system: System, load: Array) -> Pushed:
+    """Return the static state of a whole line, nonlinear everywhere, under more nodal loads."""
+    push = Push(np.arange(system.dof_count)[None], load[None], 1.0)
+    return LoadedLine(system).window(increment=1e-9).respond([push])[0]
 
 
 def empty_system(node_count: int) -> System:

@@ -119,12 +119,10 @@ class WirePoints:
         rails = np.sum(self.frames.axes[:, 2] * self.frames.origin, axis=1)
         return self.values(position) - rails
 
-    def load(self, forces: Array, count: int) -> Array:
-        """Return forces that press the points away from the rails as nodal loads, ``(count,)``."""
-        load = np.zeros(count)
-        press = (forces[:, None] * self.rows)[..., None] * self.frames.axes[:, None, 2]
-        np.add.at(load, self.dofs, press)
-        return load
+    @property
+    def press(self) -> Array:
+        """What a unit force away from the rails puts on ``dofs``, ``(n_point, 4, 3)``."""
+        return self.rows[..., None] * self.frames.axes[:, None, 2]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -292,5 +292,6 @@ def _middle_span(model: Model) -> Array:
 
 def _unit_force(shape: Equilibrium, position: float) -> Array:
     """Return a unit force of a head on the contact wire as nodal loads, ``(n_dof,)``."""
-    point = shape.points(shape.contact, np.array([position]))
-    return point.load(np.ones(1), len(shape.position))
+    point, load = shape.points(shape.contact, np.array([position])), np.zeros(len(shape.position))
+    load[point.dofs] = point.press
+    return load
