@@ -98,7 +98,7 @@ def test_equilibrium_is_read_from_a_run(run: Run, stored: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "entries", "elsewhere"),
     [
-        (Equilibrium, layout.EQUILIBRIUM, set()),
+        (Equilibrium, layout.EQUILIBRIUM, {"track", "operated"}),
         (Elasticity, layout.ELASTICITY, set()),
         (Snapshots, layout.SNAPSHOTS, set()),
         (PantographRecord, (*layout.PANTOGRAPH, *layout.PANTOGRAPH_SCALARS), {"name"}),
