@@ -191,6 +191,7 @@ def _distinctions(run: Run) -> dict[str, str]:
     prescribed = [f"{record.uplift_force:g} N uplift" for record in run.pantographs]
     return {
         "speed": f"{round(3.6 * case.scenario.speed, 2):g} km/h",
+        "condition": case.condition or "design",
         "stiffness": f"{1e-3 * case.settings.contact_stiffness:g} kN/m",
         "pantographs": f"{count} pantograph{'s' if count > 1 else ''}",
         "mesh": f"mesh {case.settings.mesh()}",
