@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.vibration.modes import modes
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
+    from tautwire.inputs.recording import load_recording
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
@@ -73,6 +74,7 @@ __all__ = [
     "iterate",
     "load_case",
     "load_equilibrium",
+    "load_recording",
     "load_run",
     "load_study",
     "modes",
@@ -110,6 +112,7 @@ _HOMES = {
     "iterate": "tautwire.analyses.road.dynamics",
     "load_case": "tautwire.inputs.load",
     "load_equilibrium": "tautwire.results.storage",
+    "load_recording": "tautwire.inputs.recording",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
     "modes": "tautwire.analyses.vibration.modes",

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tautwire.cli import design, high_frequency, own_line
+from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
@@ -367,6 +367,7 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
         answer.document.update(case_json_schema())
 
 
+measuring.register(app)
 high_frequency.register(app)
 design.register(app)
 own_line.register(app)

@@ -58,17 +58,34 @@ class ProcessingStep(Protocol):
         ...
 
 
-def process(recording: Recording, steps: Sequence[ProcessingStep]) -> Processed:
-    """Sum the sensors and apply steps in order.
+def process(
+    recording: Recording, steps: Sequence[ProcessingStep], *, as_recorded: bool = False
+) -> Processed:
+    """Sum the sensors, or take the contact force that was recorded, and apply steps in order.
 
     Parameters
     ----------
     recording
     steps
         What comes after the sum.
+    as_recorded
+        Whether to take the force that the recorder computed, which the sensors only check.
+
+    Raises
+    ------
+    ValueError
+        When no such force was recorded.
     """
     total = recording.forces.sum(axis=0)  # NaN where any sensor is missing
     first = Step("sum of sensors", {"sensors": len(recording.forces)})
+    if as_recorded:
+        if recording.contact_force is None:
+            raise ValueError("the recording has no contact force besides its sensors")
+        difference = recording.contact_force - total
+        known = ~np.isnan(difference)
+        apart = float(difference[known].mean()) if known.any() else float("nan")
+        parameters = {"sensors": len(recording.forces), "mean_above_their_sum_n": apart}
+        total, first = recording.contact_force, Step("contact force as recorded", parameters)
     signal = Processed(recording, recording.time, total, recording.distance, (first,))
     for step in steps:
         signal = step.apply(signal)
@@ -147,7 +164,11 @@ class Filtering:
         force = np.interp(signal.time, grid, smooth)
         margin = int(np.ceil(1.0 / (self.lowpass.cutoff * step)))
         force[_widened(missing, margin)] = np.nan
-        parameters = {"filter": self.lowpass.describe(), "margin_of_gaps_samples": margin}
+        parameters = {
+            "filter": self.lowpass.describe(),
+            "cutoff_hz": self.lowpass.cutoff,
+            "margin_of_gaps_samples": margin,
+        }
         return _with(signal, Step("filter", parameters), force)
 
 
@@ -179,7 +200,8 @@ class EvenDistance:
         fastest = float((np.diff(place) / np.diff(time)).max())
         interval = float(np.median(np.diff(signal.time)))
         highest = _ALIASING * 0.5 * fastest / self.spacing
-        if highest < 0.5 / interval:
+        held = [step.parameters.get("cutoff_hz", np.inf) for step in signal.steps]
+        if highest < min([0.5 / interval, *held]):
             signal = Filtering(SharpLowpass(highest)).apply(signal)
         grid = np.arange(place[0], place[-1], self.spacing)
         instants = np.interp(grid, place, time)

@@ -23,7 +23,7 @@ class Recording:
     label : str
         Name of the file.
     time : (n,) s
-        Increasing.
+        Increasing; NaN throughout for a survey of the wire without time or speed.
     forces : (n_sensor, n) N
         Each sensor's share of the force between head and frame, positive when the wire is lifted.
     force_strips : (n_sensor,)
@@ -33,10 +33,25 @@ class Recording:
     acceleration_strips : (n_accelerometer,)
     speed : (n,) m/s or None
     distance : (n,) m or None
-        Odometer, increasing.
+        Way run since the first sample, increasing.
     stagger : (n,) m or None
         Lateral position of the wire, positive to the left.
     height : (n,) m or None
+    contact_force : (n,) N or None
+        As the recorder computed it from its sensors; None where a single force is all there is.
+    uplift : (n,) m or None
+        Height of the wire above its static position, at the pantograph.
+    thickness : (n,) m or None
+        Height of what is left of the worn contact wire.
+    chainage : (n,) m or None
+        Recorded position, rising or falling.
+    latitude, longitude : (n,) degrees or None
+    arc : (n,) or None
+        Signal of an arc detector, as recorded.
+    comments : tuple of (float, str)
+        Times [s] and texts.
+    notes : tuple of str
+        What was understood, decided or left out while the file was read.
     mark_times, mark_chainages : (n_mark,) s, m
         Instants at which the train passed a known chainage, such as a mast.
     """
@@ -51,6 +66,15 @@ class Recording:
     distance: Array | None = None
     stagger: Array | None = None
     height: Array | None = None
+    contact_force: Array | None = None
+    uplift: Array | None = None
+    thickness: Array | None = None
+    chainage: Array | None = None
+    latitude: Array | None = None
+    longitude: Array | None = None
+    arc: Array | None = None
+    comments: tuple[tuple[float, str], ...] = ()
+    notes: tuple[str, ...] = ()
     mark_times: Array = field(default_factory=lambda: np.empty(0))
     mark_chainages: Array = field(default_factory=lambda: np.empty(0))
 
@@ -62,6 +86,27 @@ class Recording:
     def interval(self) -> float:
         """Usual time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
+
+    @property
+    def spacing(self) -> float:
+        """Usual way between two samples [m]; NaN where no way is known."""
+        if self.distance is None:
+            return float("nan")
+        return float((self.distance[-1] - self.distance[0]) / (len(self.distance) - 1))
+
+    @property
+    def is_rising(self) -> bool:
+        """Whether the train ran towards rising chainage; True where none was recorded."""
+        return self.chainage is None or bool(self.chainage[-1] >= self.chainage[0])
+
+    @property
+    def highest_frequency(self) -> float:
+        """Frequency up to which the samples hold at least 90 % of the force [Hz].
+
+        A mean over the way or time of one sample keeps ``sin(pi f T) / (pi f T)``, which is 0.9 at
+        ``f T = 1/4``; that a row is a mean, and not the value of an instant, is the worse case.
+        """
+        return 0.25 / self.interval
 
     def strips(self) -> list[int]:
         """Return the numbers of the strips that carry force sensors."""

@@ -10,8 +10,10 @@ from typing import Any
 
 from tautwire.specs.vocabulary import folded, words_for
 
-TEXT, COUNT = "text", "#"
+TEXT, COUNT, DEGREES, ANY = "text", "#", "deg", "any"
 KINDS = ("supports", "droppers", "wires")
+"""Tables of a line."""
+RECORDING = "recording"
 
 _UNIT = re.compile(r"[\[(]\s*([^\[\]()]*?)\s*[\])]\s*$")
 
@@ -24,23 +26,50 @@ class Field:
     ----------
     name : str
     unit : str
-        SI unit, :data:`COUNT` or :data:`TEXT`.
+        SI unit, :data:`COUNT`, :data:`TEXT`, :data:`DEGREES` or :data:`ANY`.
     headings : frozenset of str
         What it is called, folded.
+    is_numbered : bool
+        Whether a table may have several, told apart by numbers.
+    plausible : (str, float, float) or None
+        A statistic of the values and its usual bounds in SI.
+    units : tuple of str
+        Units that values without one may be in when they are not plausible.
     """
 
     name: str
     unit: str
     headings: frozenset[str]
+    is_numbered: bool = False
+    plausible: tuple[str, float, float] | None = None
+    units: tuple[str, ...] = ()
 
 
-@lru_cache(maxsize=len(KINDS))
+@lru_cache(maxsize=len(KINDS) + 1)
 def fields_of(kind: str) -> tuple[Field, ...]:
     """Return the fields of a kind of table."""
     return tuple(
-        Field(name, entry["unit"], _headings(name, entry))
+        Field(
+            name,
+            entry["unit"],
+            _headings(name, entry),
+            entry.get("numbered", False),
+            tuple(entry["plausible"]) if "plausible" in entry else None,
+            tuple(entry.get("units", ())),
+        )
         for name, entry in _content()[kind].items()
     )
+
+
+@lru_cache(maxsize=1)
+def places() -> dict[str, tuple[str, int]]:
+    """Return what folded words in numbered headings mean: ``"left"`` is sensor 1."""
+    return {
+        folded(word): (what, int(number))
+        for what, numbers in _content()["places"].items()
+        for number, words in numbers.items()
+        for word in words
+    }
 
 
 def role_of(text: str) -> str | None:

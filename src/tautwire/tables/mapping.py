@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from tautwire.errors import InputError
-from tautwire.specs.vocabulary import folded
-from tautwire.tables.columns import KINDS, TEXT, Field, fields_of, split_heading
+from tautwire.tables.columns import ANY, KINDS, RECORDING, TEXT, Field, fields_of, split_heading
+from tautwire.tables.headings import read_heading
 from tautwire.tables.sheets import Sheet
 from tautwire.tables.values import unit_fits
 
@@ -21,20 +21,29 @@ _NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
     "droppers": (("position",),),
     "wires": (("wire",), ("use", "tension", "mass")),
+    RECORDING: (
+        ("time", "position", "odometer"),
+        ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
+    ),
 }
 """What a table must have to be of a kind: one field of each group."""
-HEADING_ROWS = 12
+_BY_UNIT = {"speed": ("speed",), "force": ("force", "sensor_force"), "time": ("time",)}
+"""Fields of recordings that the only unread column in their unit is taken for, unless one of these
+is there already."""
+HEADING_ROWS = 40
 """Rows from the top among which the headings are looked for: titles and stamps stand above them."""
 
 
 @dataclass(frozen=True)
 class Use:
-    """What one column is read as."""
+    """What one column is read as; `strip` and `sensor` number channels of a kind, from 1."""
 
     column: int
     heading: str
     field: Field
     unit: str
+    strip: int | None = None
+    sensor: int | None = None
 
 
 @dataclass(frozen=True)
@@ -45,7 +54,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers`` or ``wires``.
+        ``supports``, ``droppers``, ``wires`` or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use
@@ -53,6 +62,8 @@ class SheetMapping:
         Headings of columns that are not read.
     positive : str
         Side of rising chainage on which staggers are positive.
+    notes : tuple of str
+        What was understood in a way that should be known.
     """
 
     sheet: Sheet
@@ -62,14 +73,15 @@ class SheetMapping:
     uses: tuple[Use, ...]
     aside: tuple[str, ...]
     positive: Side = "left"
+    notes: tuple[str, ...] = ()
 
     def use(self, name: str) -> Use | None:
         """Return the column of a field, or None."""
         return next((use for use in self.uses if use.field.name == name), None)
 
 
-def propose(sheet: Sheet) -> SheetMapping | None:
-    """Match the headings of a sheet by meaning; None when it is no table of a line.
+def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
+    """Match the headings of a sheet by meaning; None when it is no table of these kinds.
 
     Raises
     ------
@@ -78,12 +90,15 @@ def propose(sheet: Sheet) -> SheetMapping | None:
     """
     best: SheetMapping | None = None
     for row in range(min(HEADING_ROWS, len(sheet.rows) - 1)):
-        for kind in KINDS:
+        for kind in kinds:
             found = _matched(sheet, row, kind)
             if found is not None and (best is None or len(found.uses) > len(best.uses)):
                 best = found
-    if best is not None:
-        _refuse_double(best)
+    if best is None:
+        return None
+    if best.kind == RECORDING:
+        return _first_of_double(_with_units_alone(best))
+    _refuse_double(best)
     return best
 
 
@@ -97,17 +112,21 @@ def mapping_text(mappings: Sequence[SheetMapping], source: Path) -> str:
     for one in mappings:
         lines += [f"  {_quoted(one.sheet.name)}:", f"    table: {one.kind}",
                   f"    heading_row: {one.sheet.numbers[one.heading_row]}"]  # fmt: skip
-        if one.use("contact_stagger") is not None:
+        if one.use("contact_stagger") is not None or one.use("stagger") is not None:
             lines.append(f"    stagger_positive: {one.positive}")
         lines.append("    columns:")
         for use in one.uses:
-            unit = f", unit: {_quoted(use.unit)}" if use.unit else ""
-            lines.append(f"      {_quoted(use.heading)}: {{field: {use.field.name}{unit}}}")
+            unit = use.unit and _quoted(use.unit)
+            more = {"unit": unit, "strip": use.strip, "sensor": use.sensor}
+            said = "".join(f", {key}: {value}" for key, value in more.items() if value)
+            lines.append(f"      {_quoted(use.heading)}: {{field: {use.field.name}{said}}}")
         lines += [f"      {_quoted(heading)}: {ASIDE}" for heading in one.aside]
     return "\n".join(lines) + "\n"
 
 
-def apply_mapping(sheets: Sequence[Sheet], data: Any, label: str) -> list[SheetMapping]:
+def apply_mapping(
+    sheets: Sequence[Sheet], data: Any, label: str, kinds: Sequence[str] = KINDS
+) -> list[SheetMapping]:
     """Read sheets as a mapping file says.
 
     Raises
@@ -125,7 +144,7 @@ def apply_mapping(sheets: Sequence[Sheet], data: Any, label: str) -> list[SheetM
             problems.append(f"{label}: there is no sheet {name!r}; there are: {', '.join(by_name)}")
             continue
         try:
-            mappings.append(_as_said(by_name[name], entry, f"{label}: {name}"))
+            mappings.append(_as_said(by_name[name], entry, f"{label}: {name}", kinds))
         except InputError as error:
             problems += error.problems
     if problems:
@@ -140,15 +159,11 @@ def _matched(sheet: Sheet, row: int, kind: str) -> SheetMapping | None:
     for column, cell in enumerate(sheet.rows[row]):
         if not isinstance(cell, str):
             continue
-        words, unit = split_heading(cell)
-        unit = unit or units.get(column, "")
-        field = next(
-            (f for f in fields if folded(words) in f.headings and unit_fits(unit, f.unit)), None
-        )
-        if field is None:
+        found = read_heading(cell, units.get(column, ""), fields)
+        if found is None:
             aside.append(cell)
         else:
-            uses.append(Use(column, cell, field, unit))
+            uses.append(Use(column, cell, found.field, found.unit, found.strip, found.sensor))
     names = {use.field.name for use in uses}
     if not all(any(name in names for name in group) for group in _NEEDS[kind]):
         return None
@@ -162,7 +177,7 @@ def _units_below(sheet: Sheet, row: int) -> dict[int, str]:
     texts = {i: c.strip("[]() ") for i, c in enumerate(cells) if isinstance(c, str)}
     if not texts or len(texts) < len([c for c in cells if c is not None]):
         return {}
-    wanted = {field.unit for kind in KINDS for field in fields_of(kind) if field.unit != TEXT}
+    wanted = {field.unit for kind in _NEEDS for field in fields_of(kind)} - {TEXT, ANY}
     if not all(t == "-" or any(unit_fits(t, unit) for unit in wanted) for t in texts.values()):
         return {}
     return {i: text for i, text in texts.items() if text != "-"}
@@ -179,10 +194,49 @@ def _refuse_double(mapping: SheetMapping) -> None:
             )
 
 
-def _as_said(sheet: Sheet, entry: Any, label: str) -> SheetMapping:
+def _with_units_alone(mapping: SheetMapping) -> SheetMapping:
+    """Add the columns of a recording that their unit alone tells."""
+    uses, notes = list(mapping.uses), list(mapping.notes)
+    units = _units_below(mapping.sheet, mapping.heading_row)
+    fields = {field.name: field for field in fields_of(mapping.kind)}
+    for name, others in _BY_UNIT.items():
+        if any(use.field.name in others for use in uses):
+            continue
+        alone = [
+            (column, str(cell), unit)
+            for column, cell in enumerate(mapping.sheet.rows[mapping.heading_row])
+            if cell in mapping.aside
+            and (unit := split_heading(str(cell))[1] or units.get(column, ""))
+            and unit_fits(unit, fields[name].unit)
+        ]
+        if len(alone) == 1:
+            [(column, heading, unit)] = alone
+            uses.append(Use(column, heading, fields[name], unit))
+            notes.append(f"{heading!r} is taken for the {name} because of its unit")
+    read = {use.heading for use in uses}
+    aside = tuple(heading for heading in mapping.aside if heading not in read)
+    return replace(mapping, uses=tuple(uses), aside=aside, notes=tuple(notes))
+
+
+def _first_of_double(mapping: SheetMapping) -> SheetMapping:
+    """Keep the first of several columns of a recording that mean the same channel, and say so."""
+    kept: dict[tuple[str, int | None, int | None], Use] = {}
+    aside, notes = list(mapping.aside), list(mapping.notes)
+    for use in mapping.uses:
+        first = kept.setdefault((use.field.name, use.strip, use.sensor), use)
+        if first is not use:
+            aside.append(use.heading)
+            notes.append(
+                f"{first.heading!r} and {use.heading!r} could both be the {use.field.name}; the "
+                "first is read, the mapping file can say otherwise"
+            )
+    return replace(mapping, uses=tuple(kept.values()), aside=tuple(aside), notes=tuple(notes))
+
+
+def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> SheetMapping:
     kind = entry.get("table") if isinstance(entry, MappingType) else None
-    if kind not in KINDS:
-        raise InputError(f"{label}: table: got {kind!r}; choose {', '.join(KINDS)}")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise InputError(f"{label}: table: got {kind!r}; choose {', '.join(kinds)}")
     row_number, side = entry.get("heading_row", 1), entry.get("stagger_positive", "left")
     if row_number not in sheet.numbers or side not in ("left", "right"):
         raise InputError(
@@ -193,19 +247,24 @@ def _as_said(sheet: Sheet, entry: Any, label: str) -> SheetMapping:
     fields = {field.name: field for field in fields_of(kind)}
     uses, aside, problems = [], [], []
     for heading, said in (entry.get("columns") or {}).items():
-        name = said.get("field") if isinstance(said, MappingType) else said
-        unit = str(said.get("unit", "")) if isinstance(said, MappingType) else ""
+        entry_of = said if isinstance(said, MappingType) else {"field": said}
+        name, unit = entry_of.get("field"), str(entry_of.get("unit", ""))
+        numbers = [entry_of.get(key) for key in ("strip", "sensor")]
         if heading not in columns:
             problems.append(f"{label}: there is no column {heading!r}")
         elif name == ASIDE:
             aside.append(heading)
-        elif name not in fields or not unit_fits(unit, fields[name].unit):
+        elif (
+            name not in fields
+            or not unit_fits(unit, fields[name].unit)
+            or not all(number is None or number in range(1, 100) for number in numbers)
+        ):
             problems.append(
                 f"{label}: {heading!r}: got {said!r}; a field is one of {', '.join(fields)} or "
                 f"{ASIDE}, with a unit of its kind"
             )
         else:
-            uses.append(Use(columns[heading], heading, fields[name], unit))
+            uses.append(Use(columns[heading], heading, fields[name], unit, *numbers))
     if problems:
         raise InputError(problems)
     first = row + (2 if _units_below(sheet, row) else 1)

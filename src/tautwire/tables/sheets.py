@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import zipfile
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +21,7 @@ MOST_BYTES = 20_000_000
 """Largest file that is read; also the most that a workbook may unpack to, ten times over."""
 MOST_ROWS, MOST_COLUMNS = 20_000, 200
 """Rows and columns of a workbook that are read: a lone cell in a far corner costs nothing."""
+_QUOTED = re.compile(r'"[^"]*"')
 _ENCODINGS = ("utf-8-sig", "cp1252")
 """Tried in this order; every byte is a letter of the second."""
 
@@ -41,6 +44,8 @@ class Sheet:
         Whether "1,5" is one and a half.
     letters : bool
         Whether columns are named by letters, as in a workbook.
+    separator : str
+        What separates the cells of a text.
     """
 
     label: str
@@ -49,6 +54,7 @@ class Sheet:
     numbers: list[int] = field(default_factory=list)
     decimal_comma: bool = False
     letters: bool = False
+    separator: str = ","
 
     def place(self, row: int, column: int) -> str:
         """Name a cell as its program does."""
@@ -74,26 +80,56 @@ def read_sheets(path: Path) -> list[Sheet]:
         limit = f"more than {MOST_BYTES / 1e6:g} MB" if size > MOST_BYTES else "empty or no file"
         raise InputError(f"{path}: is {limit}; give a table of a line")
     is_workbook = path.suffix.lower() in (".xlsx", ".xlsm")
-    sheets = _workbook(path, content) if is_workbook else [_text_sheet(path, content)]
+    sheets = (
+        workbook_sheets(path, content, MOST_ROWS)
+        if is_workbook
+        else [text_sheet(path, decoded(path, content), path.stem)]
+    )
     filled = [sheet for sheet in sheets if len(sheet.rows) > 1]
     if not filled:
         raise InputError(f"{path}: holds no table; a table has a row of headings and rows below")
     return filled
 
 
-def _text_sheet(path: Path, content: bytes) -> Sheet:
-    text = _decoded(path, content)
-    lines = [line for line in text.splitlines()[:200] if line.strip() and line[0] != "#"]
-    separator = max(";\t|,", key=lambda s: min((line.count(s) for line in lines[:5]), default=0))
+def text_sheet(path: Path, text: str, name: str) -> Sheet:
+    """Read a text as one sheet.
+
+    Raises
+    ------
+    InputError
+        When it is no table.
+    """
+    separator = _separator(text)
     try:
-        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
+        if separator == " ":
+            rows = [line.split() for line in text.splitlines()]
+        else:
+            rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
     except csv.Error as error:
         raise InputError(f"{path}: is not a table ({error})") from None
-    comma = separator != "," and "." not in "".join(
-        c for row in rows[1:50] for c in row if _looks(c)
-    )
+    numbers_seen = [c for row in rows[1:200] for c in row if _looks(c)]
+    comma = separator != "," and not any("." in c for c in numbers_seen)
     kept, numbers = _filled([[cell.strip() or None for cell in row] for row in rows])
-    return Sheet(str(path), path.stem, kept, numbers, comma)
+    return Sheet(str(path), name, kept, numbers, comma, separator=separator)
+
+
+def _separator(text: str) -> str:
+    """Return what separates the cells: what stands equally often in most of the last lines.
+
+    Titles and stamps above a table hold none or fewer; where cells have decimal commas, these
+    stand equally often too, so that commas come last but for blanks.
+    """
+    lines = [line for line in text.splitlines()[:200] if line.strip() and line[0] != "#"]
+    lines = [_QUOTED.sub("", line) for line in lines[len(lines) // 2 :]]
+    for separator in ";\t|,":
+        counts = Counter(line.count(separator) for line in lines)
+        often, times = max(counts.items(), key=lambda item: (item[1], item[0]), default=(0, 0))
+        if often and times > 0.7 * len(lines):
+            return separator
+    fullest = max(";\t|,", key=lambda s: sum(line.count(s) for line in lines))
+    if any(fullest in line for line in lines):
+        return fullest
+    return " " if any(len(line.split()) > 1 for line in lines) else ","
 
 
 def _looks(cell: str) -> bool:
@@ -101,7 +137,14 @@ def _looks(cell: str) -> bool:
     return cell.strip().lstrip("+-").replace(".", "", 1).replace(",", "", 1).isdigit()
 
 
-def _decoded(path: Path, content: bytes) -> str:
+def decoded(path: Path, content: bytes) -> str:
+    """Return the text of a file in UTF-8, UTF-16 or cp1252.
+
+    Raises
+    ------
+    InputError
+        When it is no text.
+    """
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return content.decode("utf-16", errors="replace")
     for encoding in _ENCODINGS:
@@ -114,7 +157,14 @@ def _decoded(path: Path, content: bytes) -> str:
     raise InputError(f"{path}: is a binary file; give a CSV file or an .xlsx workbook")
 
 
-def _workbook(path: Path, content: bytes) -> list[Sheet]:
+def workbook_sheets(path: Path, content: bytes, most_rows: int) -> list[Sheet]:
+    """Read the sheets of a workbook.
+
+    Raises
+    ------
+    InputError
+        When it is none, or openpyxl is missing.
+    """
     try:
         import openpyxl
     except ModuleNotFoundError:
@@ -128,7 +178,7 @@ def _workbook(path: Path, content: bytes) -> list[Sheet]:
         sheets = []
         for sheet in book.worksheets:
             cells = sheet.iter_rows(
-                max_row=MOST_ROWS, max_col=MOST_COLUMNS, values_only=True
+                max_row=most_rows, max_col=MOST_COLUMNS, values_only=True
             )  # fmt: skip
             rows, numbers = _filled([[_cell(value) for value in row] for row in cells])
             label = f"{path}, sheet {sheet.title!r}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from tautwire.tables.columns import COUNT, TEXT
+from tautwire.tables.columns import ANY, COUNT, DEGREES, TEXT
 from tautwire.tables.sheets import Cell
 from tautwire.units import UnitError, expectation, parse_quantity
 
@@ -12,8 +12,14 @@ ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 NOTHING = ("", "-", "–", "—", "nan", "n/a", "k.a.", "k. a.", "s.o.", "n.d.", "无效")
 _KM_M = re.compile(r"([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)")
 _RATIO = {"‰": 1e-3, "per mille": 1e-3, "mm/m": 1e-3, "%": 1e-2}
-_SPOKEN = {"kg": "kgf", "lb": "lbf", "lbs": "lbf"}
-"""Units of force as tables write them."""
+_SPOKEN = {
+    "N": {"kg": "kgf", "lb": "lbf", "lbs": "lbf"},
+    "m/s^2": {"g": "9.80665 m/s^2"},
+}
+"""Units as tables write them, by the SI unit of what is meant."""
+_LONG = {"kmh": "km/h", "kmph": "km/h", "km/std": "km/h", "sec": "s", "sek": "s", "msec": "ms",
+         "ms2": "m/s^2", "mps": "m/s", "meter": "m", "metre": "m", "newton": "N"}  # fmt: skip
+"""Units as programs and headings spell them, in small letters."""
 
 
 class CellError(ValueError):
@@ -27,20 +33,39 @@ def ratio_of(unit: str) -> float | None:
 
 def unit_fits(unit: str, wanted: str) -> bool:
     """Tell whether a heading's unit can be that of a field."""
+    if wanted == ANY:
+        return True
+    if wanted == DEGREES:
+        return unit in ("", "°", "deg")
     if wanted in (TEXT, COUNT):
         return not unit
     if not unit or unit.lower() == "km+m" or ratio_of(unit) is not None:
         return not unit or wanted == "m"
     try:
-        parse_quantity(f"1 {spoken(unit, wanted)}", wanted)
+        factor_of(unit, wanted)
     except UnitError:
         return False
     return True
 
 
+def factor_of(unit: str, wanted: str) -> float:
+    """Return what one unit is in SI.
+
+    Raises
+    ------
+    UnitError
+        When it is no unit of what is wanted.
+    """
+    text = spoken(unit, wanted)
+    is_value = text != unit and text[0].isdigit()
+    return parse_quantity(text if is_value else f"1 {text}", wanted)
+
+
 def spoken(unit: str, wanted: str) -> str:
     """Return a unit as the program reads it; ``kg`` and ``lb`` of a tension are forces."""
-    return _SPOKEN.get(unit, unit) if wanted == "N" else unit
+    unit = _LONG.get(unit.lower(), unit)
+    unit = unit.lower() if unit.lower() == "km/h" else unit
+    return _SPOKEN.get(wanted, {}).get(unit, unit)
 
 
 def text_of(cell: Cell) -> str | None:

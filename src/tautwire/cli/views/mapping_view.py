@@ -1,11 +1,15 @@
-"""How the columns of a workbook were understood, shown and kept."""
+"""How the columns of a workbook or a recording were understood, shown and kept."""
 
 from __future__ import annotations
 
-from tautwire.catalogue.entries import write_whole
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
+from tautwire.errors import InputError
+from tautwire.files import write_text
+from tautwire.inputs.recording import RecordingFile
 from tautwire.inputs.workbook import Workbook, case_of, is_workbook, open_workbook
+from tautwire.measured.channels import Channel
+from tautwire.tables.mapping import Use
 
 
 def announce_workbook(answer: Answer, reference: str) -> None:
@@ -21,7 +25,7 @@ def announce_workbook(answer: Answer, reference: str) -> None:
         for one in workbook.mappings
     }
     for one in workbook.mappings:
-        rows = [(use.heading, _meaning(use.field.name, use.unit)) for use in one.uses]
+        rows = [(use.heading, _meaning(use, use.unit)) for use in one.uses]
         rows += [(name, "kept aside") for name in one.aside]
         answer.show(heading(f"{one.sheet.name}", f"read as {one.kind}"), facts(rows))
     for note in tables.notes:
@@ -33,11 +37,44 @@ def announce_workbook(answer: Answer, reference: str) -> None:
 
 def _keep(answer: Answer, workbook: Workbook) -> None:
     if workbook.is_proposed:
-        write_whole(workbook.mapping_file, workbook.mapping_text())
+        write_text(workbook.mapping_file, workbook.mapping_text())
         answer.say(f"mapping written: {workbook.mapping_file}; change it if a column is misread")
     else:
         answer.say(f"columns read as {workbook.mapping_file} says")
 
 
-def _meaning(field: str, unit: str) -> str:
-    return f"{field.replace('_', ' ')} [{unit}]" if unit else field.replace("_", " ")
+def announce_recording(answer: Answer, opened: RecordingFile) -> None:
+    """Show how the columns of a recording are read, and keep the mapping where it was proposed."""
+    answer.document["mapping"] = {
+        one.use.heading: {
+            "field": one.use.field.name, "unit": unit_of(one), "strip": one.use.strip,
+            "sensor": one.use.sensor,
+        }
+        for one in opened.channels
+    }  # fmt: skip
+    rows = [(one.use.heading, _meaning(one.use, unit_of(one))) for one in opened.channels]
+    rows += [(name, "kept aside") for name in opened.mapping.aside]
+    answer.show(heading("Columns"), facts(rows))
+    if not opened.is_proposed:
+        answer.say(f"columns read as {opened.mapping_file} says")
+        return
+    try:
+        write_text(opened.mapping_file, opened.mapping_text())
+    except InputError as error:
+        answer.say(f"the mapping is not kept: {error}")
+    else:
+        answer.say(
+            f"mapping written: {opened.mapping_file}; change it if a column is misread. Files of "
+            "this folder with the same columns are read by it too"
+        )
+
+
+def unit_of(channel: Channel) -> str:
+    """Return the unit of a channel: as its heading says, as decided, or SI."""
+    return channel.use.unit or channel.unit or channel.use.field.unit
+
+
+def _meaning(use: Use, unit: str) -> str:
+    numbers = [f"{what} {n}" for what, n in (("strip", use.strip), ("sensor", use.sensor)) if n]
+    words = " ".join([use.field.name.replace("_", " "), *numbers])
+    return f"{words} [{unit}]" if unit else words

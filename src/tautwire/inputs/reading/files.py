@@ -70,7 +70,7 @@ def neighbours(path: Path) -> list[str]:
 
 
 def _read_text(path: Path, limit: int, use: str) -> str:
-    size = _size_of_regular_file(path)
+    size = size_of_regular_file(path)
     if size > limit:
         raise InputError(
             f"{named(path)}: has {size / 1e6:.1f} MB; at most {limit / 1e6:g} MB are read as {use}"
@@ -95,7 +95,14 @@ def _read_bytes(path: Path, limit: int) -> bytes:
         return stream.read(limit)
 
 
-def _size_of_regular_file(path: Path) -> int:
+def size_of_regular_file(path: Path) -> int:
+    """Return the size of a file.
+
+    Raises
+    ------
+    InputError
+        When there is none, or it is no regular one.
+    """
     try:
         status = path.stat()
     except FileNotFoundError:

@@ -1,0 +1,97 @@
+"""Commands for what measuring trains record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tautwire.cli.options import JsonOption
+from tautwire.cli.session import answering
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the program."""
+    app.command()(measured)
+
+
+MappingOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--mapping",
+        metavar="FILE",
+        help="Which column is what; by default the file beside the recording, or another one of "
+        "its folder for the same columns.",
+        show_default=False,
+    ),
+]
+SpeedOption = Annotated[
+    str | None,
+    typer.Option(
+        "--speed",
+        metavar="SPEED",
+        help="Speed of the train where the file has neither time nor speed.",
+        show_default=False,
+    ),
+]
+FilteredOption = Annotated[
+    bool, typer.Option("--filtered", help="The measured force is low-passed at 20 Hz already.")
+]
+MassOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--strip-mass",
+        metavar="MASS",
+        help="Mass above the sensors of a strip, the first, the second ...: its inertia is taken "
+        'off, as in --strip-mass "2.9 kg" --strip-mass "2.9 kg".',
+        show_default=False,
+    ),
+]
+
+
+def measured(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="CSV of any dialect, XLSX, MAT, netCDF, HDF5, Parquet or TDMS."
+        ),
+    ],
+    mapping: MappingOption = None,
+    speed: SpeedOption = None,
+    strip_mass: MassOption = None,
+    filtered: FilteredOption = False,
+    stretch: Annotated[
+        str, typer.Option("--every", metavar="LENGTH", help="Stretches of the statistics.")
+    ] = "1 km",
+    high: Annotated[
+        str | None,
+        typer.Option(
+            "--high",
+            metavar="FORCE",
+            help="Force above which an event is listed; mean plus three deviations by default.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR",
+            help="Folder for measured.html, measured.json, force.csv, stretches.csv.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Read a recording, find faults of its sensors, process the force and take its figures.
+
+    What each column was read as is shown and kept in a small mapping file, which is used again for
+    the next file with these columns.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.measured import RecordingRequest, show_recording
+
+        request = RecordingRequest(
+            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
+        )
+        show_recording(answer, request, out)

@@ -1,0 +1,400 @@
+"""A recording from its sensors to its figures: faults, steps, statistics, events, spectrum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tautwire.errors import InputError
+from tautwire.measured.faults import Fault, find_faults, without_faulty_samples
+from tautwire.measured.processing import (
+    AerodynamicCorrection,
+    EvenDistance,
+    Filtering,
+    InertiaCorrection,
+    Processed,
+    ProcessingStep,
+    process,
+)
+from tautwire.measured.recording import Array, Recording, Step
+from tautwire.measured.summary import (
+    ForceEvent,
+    StretchStatistics,
+    force_events,
+    stretch_statistics,
+)
+from tautwire.plain import Plain, named
+from tautwire.signals.bands import band_name
+from tautwire.signals.filters import Lowpass, SharpLowpass
+from tautwire.signals.spectra import Spectrum, amplitude_spectrum
+
+BANDS = ((0.0, 5.0), (5.0, 20.0))
+"""Bands of the standard deviation [Hz]: spans and droppers, as in the world benchmark."""
+PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
+"""Shares of the way [%] below a force: quartiles, and tails that some hundred metres still fill."""
+SPACING = 0.25
+"""Even distance of the processed force [m], as recorders usually write it."""
+HIGHEST_LINE = 50.0
+"""Highest frequency of the spectrum that is shown [Hz]."""
+
+
+@dataclass(frozen=True)
+class Treatment:
+    """How a recording is processed.
+
+    Attributes
+    ----------
+    lowpass : Lowpass or None
+        None for a force that is filtered already.
+    masses : mapping of int to float kg
+        Mass above the sensors by strip; without any, inertia is not corrected.
+    air_speed, air_force : tuple of float m/s, N
+        Table of the aerodynamic correction; empty for none.
+    stretch : float m
+        Length of the stretches of the statistics where no marks tell spans.
+    loss_below : float N
+        Force at or below which contact counts as lost.
+    high_above : float N or None
+        Force above which an event is told; by default mean plus three standard deviations.
+    """
+
+    lowpass: Lowpass | None = field(default_factory=SharpLowpass)
+    masses: Mapping[int, float] = field(default_factory=dict)
+    air_speed: tuple[float, ...] = ()
+    air_force: tuple[float, ...] = ()
+    stretch: float = 1000.0
+    loss_below: float = 0.0
+    high_above: float | None = None
+
+
+@dataclass(frozen=True)
+class ForceFigures(Plain):
+    """Figures of the processed force.
+
+    Attributes
+    ----------
+    mean, standard_deviation, maximum, minimum : float N
+    statistical_maximum, statistical_minimum : float N
+        Mean plus and minus three standard deviations.
+    bands : dict of str to float N
+        Standard deviation by band; NaN beyond what the samples hold.
+    percentiles : dict of str to float N
+    missing_share : float
+    """
+
+    mean: float
+    standard_deviation: float
+    maximum: float
+    minimum: float
+    statistical_maximum: float
+    statistical_minimum: float
+    bands: dict[str, float]
+    percentiles: dict[str, float]
+    missing_share: float
+
+
+@dataclass(frozen=True)
+class RangeFigures(Plain):
+    """Least, mean and largest value of a channel, in SI, and the share without a reading."""
+
+    name: str
+    least: float
+    mean: float
+    largest: float
+    unit: str
+    missing_share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation(Plain):
+    """What a recording says.
+
+    Attributes
+    ----------
+    label : str
+    samples : int
+    interval : float s
+    length : float m
+        Way run; NaN where unknown.
+    direction : str
+        ``"rising"`` or ``"falling"`` chainage.
+    highest_frequency : float Hz
+    notes : tuple of str
+    faults : tuple of dict
+    steps : tuple of dict
+    force : ForceFigures or None
+        None for a recording without force.
+    ranges : tuple of RangeFigures
+        Of the other channels.
+    stretches, events : tuple
+    position : (n,) m
+        Chainage where it was recorded, else way run, of the processed force.
+    values : (n,) N
+    spectrum : Spectrum or None
+        Amplitudes of the unfiltered force in its longest stretch without gaps.
+    """
+
+    untold: ClassVar[tuple[str, ...]] = ("position", "values", "spectrum")
+
+    label: str = field(metadata=named("recording"))
+    samples: int
+    interval: float = field(metadata=named("interval_s"))
+    length: float = field(metadata=named("length_m"))
+    direction: str
+    highest_frequency: float = field(metadata=named("highest_frequency_hz"))
+    notes: tuple[str, ...]
+    faults: tuple[dict[str, Any], ...]
+    steps: tuple[dict[str, Any], ...]
+    force: ForceFigures | None
+    ranges: tuple[RangeFigures, ...]
+    stretches: tuple[dict[str, Any], ...]
+    events: tuple[dict[str, Any], ...]
+    position: Array
+    values: Array
+    spectrum: Spectrum | None
+
+
+def evaluate(recording: Recording, treatment: Treatment | None = None) -> Evaluation:
+    """Process a recording and take its figures.
+
+    Parameters
+    ----------
+    recording
+    treatment
+
+    Raises
+    ------
+    InputError
+        When a correction asks for a channel that was not recorded.
+    """
+    asked = treatment or Treatment()
+    faults = find_faults(recording) if len(recording.forces) else ()
+    notes, force, stretches, events = list(recording.notes), None, [], []
+    signal, spectrum = None, None
+    if len(recording.forces):
+        signal = processed_force(recording, faults, asked, notes)
+        raw = processed_force(recording, faults, _unfiltered(asked), [])
+        spectrum = _spectrum(recording, raw)
+        force = _figures(recording, signal, raw, asked)
+        events = _events(recording, signal, asked, force)
+        stretches = _stretches(recording, signal, asked)
+    place = chainage_of(recording, signal) if signal is not None else np.empty(0)
+    way = recording.distance
+    return Evaluation(
+        label=recording.label,
+        samples=len(recording.time),
+        interval=recording.interval,
+        length=float(way[-1] - way[0]) if way is not None else math.nan,
+        direction="rising" if recording.is_rising else "falling",
+        highest_frequency=recording.highest_frequency,
+        notes=tuple(notes),
+        faults=tuple(_told(fault) for fault in faults),
+        steps=tuple(_step(step) for step in (signal.steps if signal is not None else ())),
+        force=force,
+        ranges=_ranges(recording),
+        stretches=tuple(vars(one) for one in stretches),
+        events=tuple(vars(event) for event in events),
+        position=place,
+        values=signal.force if signal is not None else np.empty(0),
+        spectrum=spectrum,
+    )
+
+
+def processed_force(
+    recording: Recording, faults: Sequence[Fault], treatment: Treatment, notes: list[str]
+) -> Processed:
+    """Return the contact force, filtered and at even distance as far as that is possible.
+
+    Parameters
+    ----------
+    recording
+    faults
+        Their samples are left out.
+    treatment
+    notes
+        Takes what could not be done, and why.
+
+    Raises
+    ------
+    InputError
+        When a correction asks for a channel that was not recorded.
+    """
+    clean = without_faulty_samples(recording, tuple(faults))
+    steps: list[ProcessingStep] = []
+    if treatment.masses:
+        steps.append(InertiaCorrection(treatment.masses))
+    if treatment.air_speed:
+        steps.append(AerodynamicCorrection(treatment.air_speed, treatment.air_force))
+    lowpass = treatment.lowpass
+    if lowpass is not None and lowpass.cutoff >= 0.5 / recording.interval:
+        notes.append(
+            f"sampled every {1e3 * recording.interval:.3g} ms, too coarsely to be filtered at "
+            f"{lowpass.cutoff:g} Hz; the force is taken as it is"
+        )
+    elif lowpass is not None:
+        steps.append(Filtering(lowpass))
+    as_recorded = recording.contact_force is not None and not treatment.masses
+    try:
+        signal = process(clean, steps, as_recorded=as_recorded)
+    except ValueError as error:
+        raise InputError(f"{recording.label}: {error}") from None
+    if np.isnan(signal.force).all():
+        raise InputError(
+            f"{recording.label}: no sample of the force is left after gaps, faults and their "
+            "margins; see which sensor is at fault, or leave its column aside in the mapping file"
+        )
+    if recording.distance is None or not treatment.lowpass:
+        return signal
+    spacing = max(SPACING, recording.spacing)
+    return EvenDistance(spacing).apply(signal)
+
+
+def chainage_of(recording: Recording, signal: Processed) -> Array:
+    """Return the recorded chainage at the samples of a signal; the way run where there is none."""
+    if recording.chainage is not None:
+        return np.interp(signal.time, recording.time, recording.chainage)
+    return signal.distance if signal.distance is not None else signal.time
+
+
+def _unfiltered(treatment: Treatment) -> Treatment:
+    return Treatment(None, treatment.masses, treatment.air_speed, treatment.air_force)
+
+
+def _figures(
+    recording: Recording, signal: Processed, raw: Processed, treatment: Treatment
+) -> ForceFigures:
+    known = signal.force[~np.isnan(signal.force)]
+    mean, deviation = float(known.mean()), float(known.std())
+    shares = np.percentile(known, PERCENTILES)
+    return ForceFigures(
+        mean=mean,
+        standard_deviation=deviation,
+        maximum=float(known.max()),
+        minimum=float(known.min()),
+        statistical_maximum=mean + 3.0 * deviation,
+        statistical_minimum=mean - 3.0 * deviation,
+        bands=_bands(recording, raw, treatment.lowpass or SharpLowpass()),
+        percentiles={f"{p:g}": float(v) for p, v in zip(PERCENTILES, shares, strict=True)},
+        missing_share=signal.missing_share,
+    )
+
+
+def _bands(recording: Recording, raw: Processed, lowpass: Lowpass) -> dict[str, float]:
+    """Return the standard deviation per band, over the samples that both cut-offs leave."""
+    found = {}
+    for low, high in BANDS:
+        deviation = math.nan
+        if high < recording.highest_frequency:
+            upper = Filtering(lowpass.with_cutoff(high)).apply(raw).force
+            if low > 0.0:
+                upper = upper - Filtering(lowpass.with_cutoff(low)).apply(raw).force
+            deviation = float(np.nanstd(upper)) if not np.isnan(upper).all() else math.nan
+        found[band_name((low, high))] = deviation
+    return found
+
+
+def _events(
+    recording: Recording, signal: Processed, treatment: Treatment, force: ForceFigures
+) -> list[ForceEvent]:
+    high = treatment.high_above
+    place = chainage_of(recording, signal)
+    return list(
+        force_events(
+            signal.time,
+            place,
+            signal.force,
+            loss_below=treatment.loss_below,
+            high_above=force.statistical_maximum if high is None else high,
+        )
+    )
+
+
+def _stretches(
+    recording: Recording, signal: Processed, treatment: Treatment
+) -> list[StretchStatistics]:
+    """Return statistics between marks where there are some, else of even stretches."""
+    if signal.distance is None:
+        return []
+    place = chainage_of(recording, signal)
+    ordered = slice(None) if place[-1] >= place[0] else slice(None, None, -1)
+    place, force = place[ordered], signal.force[ordered]
+    marks = np.unique(np.interp(recording.mark_times, recording.time, _places(recording)))
+    if len(marks) > 2:
+        labels = [f"{a:.1f} to {b:.1f} m" for a, b in pairwise(marks)]
+        return list(stretch_statistics(place, force, marks.tolist(), labels))
+    first = math.floor(place[0] / treatment.stretch)
+    count = math.floor(place[-1] / treatment.stretch) - first + 1
+    edges = [treatment.stretch * (first + n) for n in range(count + 1)]
+    labels = [f"{a / 1e3:g} to {b / 1e3:g} km" for a, b in pairwise(edges)]
+    return list(stretch_statistics(place, force, edges, labels))
+
+
+def _places(recording: Recording) -> Array:
+    if recording.chainage is not None:
+        return recording.chainage
+    assert recording.distance is not None
+    return recording.distance
+
+
+def _spectrum(recording: Recording, raw: Processed) -> Spectrum | None:
+    """Return the amplitudes over frequency of the longest stretch without gaps."""
+    known = np.concatenate([[False], ~np.isnan(raw.force), [False]]).astype(np.int8)
+    edges = np.flatnonzero(np.diff(known)).reshape(-1, 2)
+    if not len(edges):
+        return None
+    start, end = edges[int(np.argmax(edges[:, 1] - edges[:, 0]))].tolist()
+    if end - start < 64:
+        return None
+    step = recording.interval
+    time = np.arange(float(raw.time[start]), float(raw.time[end - 1]), step)
+    found = amplitude_spectrum(np.interp(time, raw.time[start:end], raw.force[start:end]), step)
+    shown = found.abscissa <= min(HIGHEST_LINE, recording.highest_frequency)
+    return Spectrum(found.abscissa[shown], found.value[shown], "Hz", found.window, found.segments)
+
+
+def _ranges(recording: Recording) -> tuple[RangeFigures, ...]:
+    channels = [
+        ("speed", recording.speed, "m/s"),
+        ("height", recording.height, "m"),
+        ("stagger", recording.stagger, "m"),
+        ("thickness", recording.thickness, "m"),
+        ("uplift", recording.uplift, "m"),
+        ("arc", recording.arc, ""),
+    ]
+    channels += [
+        (f"acceleration of strip {strip}", values, "m/s^2")
+        for strip, values in zip(
+            recording.acceleration_strips.tolist(), recording.accelerations, strict=True
+        )
+    ]
+    return tuple(
+        RangeFigures(
+            name,
+            float(np.nanmin(values)),
+            float(np.nanmean(values)),
+            float(np.nanmax(values)),
+            unit,
+            float(np.isnan(values).mean()),
+        )
+        for name, values, unit in channels
+        if values is not None and not np.isnan(values).all()
+    )
+
+
+def _told(fault: Fault) -> dict[str, Any]:
+    count = None if fault.samples is None else int(fault.samples.sum())
+    return {
+        "kind": fault.kind,
+        "channel": fault.channel,
+        "text": fault.text,
+        "samples_left_out": count,
+    }
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {"name": step.name, **step.parameters}

@@ -1,0 +1,1 @@
+"""Files of recorders: text of any dialect, workbooks, MAT, netCDF, HDF5, Parquet, TDMS."""

@@ -1,0 +1,124 @@
+"""A page about a recording: how it was read, faults, steps, figures, force, spectrum."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from tautwire.files import write_text
+from tautwire.measured.evaluation import Evaluation
+from tautwire.report.figures.panels import Curve, Panel, panel_figure
+from tautwire.report.pages.run_page import render
+from tautwire.report.parts.blocks import Callout, Section, Table, Text
+from tautwire.report.parts.measured import (
+    COUNTED,
+    event_rows,
+    figure_rows,
+    range_rows,
+    step_rows,
+    stretch_rows,
+)
+from tautwire.report.parts.sections import MOST_ROWS, chart
+from tautwire.report.parts.words import number
+from tautwire.version import __version__
+
+
+def write_measured_page(found: Evaluation, path: str | os.PathLike[str]) -> Path:
+    """Write a page about a recording as a single HTML file, completely or not at all.
+
+    Parameters
+    ----------
+    found
+    path
+        File to write.
+    """
+    contents = [_reading(found)]
+    if found.force is not None:
+        contents += [_figures(found), _history(found), _stretches(found)]
+    if found.ranges:
+        heads = ("channel", "least", "mean", "largest", "missing")
+        table = Table("", heads, "lrrrr", tuple(range_rows(found)))
+        contents.append(Section("channels", "Other channels", (table,)))
+    return write_text(path, render(contents, _masthead(found)))
+
+
+def _masthead(found: Evaluation) -> dict[str, Any]:
+    return {
+        "title": f"Recording {Path(found.label).name}",
+        "description": "",
+        "facts": {
+            "Samples": str(found.samples),
+            "Interval": f"{1e3 * found.interval:.4g} ms",
+            "Way": f"{number(found.length)} m",
+            "Direction": f"{found.direction} chainage",
+            "Holds": f"up to {number(found.highest_frequency)} Hz",
+        },
+        "version": __version__,
+        "case_hash": "",
+    }
+
+
+def _reading(found: Evaluation) -> Section:
+    faults = tuple(f"{one['kind']}, {one['channel']}: {one['text']}." for one in found.faults)
+    blocks: list[object] = [Callout(faults) if faults else Text("No fault was found.")]
+    blocks += [Text(f"{note[:1].upper()}{note[1:]}.", "note") for note in found.notes]
+    if found.steps:
+        blocks.append(
+            Table("Every step of the processing, in order.", ("step", "with"), "ll",
+                  tuple(step_rows(found)))
+        )  # fmt: skip
+    return Section("reading", "What was recorded, and how it was read", tuple(blocks))
+
+
+def _figures(found: Evaluation) -> Section:
+    assert found.force is not None
+    rows = tuple(figure_rows(found.force, found.highest_frequency))
+    return Section("figures", "Contact force", (Table("", ("", "", ""), "lrl", rows),))
+
+
+def _history(found: Evaluation) -> Section:
+    panel = Panel(
+        "contact force", [Curve("measured", found.position, found.values)], "contact force [N]"
+    )
+    blocks: list[object] = [
+        chart(
+            "force",
+            panel_figure([panel], "position [m]", height=340),
+            f"Processed contact force over the position; gaps are gaps. Filter: {_filter(found)}.",
+            "Curve of the measured contact force over position.",
+        )
+    ]
+    if found.spectrum is not None:
+        curve = Curve("measured", found.spectrum.abscissa, found.spectrum.value)
+        blocks.append(
+            chart(
+                "spectrum",
+                panel_figure([Panel("spectrum", [curve], "amplitude [N]")], "frequency [Hz]"),
+                "Amplitude spectrum of the unfiltered force, Hann window, longest stretch without "
+                "gaps.",
+                "Curve of the amplitude of the force over frequency.",
+            )
+        )
+    return Section("history", "History and spectrum", tuple(blocks))
+
+
+def _filter(found: Evaluation) -> str:
+    filters = [str(step["filter"]) for step in found.steps if "filter" in step]
+    return "; ".join(filters) or "none"
+
+
+def _stretches(found: Evaluation) -> Section:
+    heads, align = COUNTED
+    blocks: list[object] = [
+        Table("Figures stretch by stretch.", heads, align.lower(),
+              tuple(stretch_rows(found)[:MOST_ROWS]))
+    ]  # fmt: skip
+    events = tuple(event_rows(found)[:MOST_ROWS])
+    head = ("event", "position [m]", "duration [ms]", "extreme [N]")
+    blocks.append(
+        Table("Events of the filtered force.", head, "lrrr", events)
+        if events
+        else Text("No loss of contact and no force above the limit.")
+    )
+    return Section("stretches", "Stretches and events", tuple(blocks))

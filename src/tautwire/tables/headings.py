@@ -1,0 +1,98 @@
+"""What a heading says: the field, its unit, and the numbers that tell channels of a kind apart."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tautwire.specs.vocabulary import folded
+from tautwire.tables.columns import TEXT, Field, places, split_heading
+from tautwire.tables.values import unit_fits
+
+_GROUP = re.compile(r"^.*[.|:\\]|^.*/(?=[^/]*[^\W\d_]{2})")
+"""What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``."""
+_TRAILING_UNIT = re.compile(r"^(.*?[^\s_/,;])(?:\s*[/,;]\s+|[\s_]+in\s+|[\s_]+)([^\s_]+)$")
+_TOKEN = re.compile(r"[^\W\d_]+|\d+")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a heading was understood as.
+
+    Attributes
+    ----------
+    field : Field
+    unit : str
+    strip, sensor : int or None
+        Numbers of a numbered channel, from 1.
+    """
+
+    field: Field
+    unit: str
+    strip: int | None = None
+    sensor: int | None = None
+
+
+def read_heading(heading: str, unit_below: str, fields: Sequence[Field]) -> Reading | None:
+    """Match a heading by meaning; None when it means no field.
+
+    Parameters
+    ----------
+    heading
+        As it stands: ``"PI.F_1_2 [N]"``, ``"Kraft vorne links / N"``, ``"speed_kmh"``.
+    unit_below
+        Unit from a row of units; empty where there is none.
+    fields
+        What the table may hold.
+    """
+    for words, unit in _spellings(heading, unit_below):
+        word = folded(words)
+        for field in fields:
+            if word in field.headings and unit_fits(unit, field.unit):
+                return Reading(field, unit)
+    numbered = [field for field in fields if field.is_numbered]
+    for words, unit in _spellings(heading, unit_below) if numbered else ():
+        strip, sensor, names = _numbers(words)
+        for field in numbered:
+            if names & field.headings and unit_fits(unit, field.unit):
+                return Reading(field, unit, strip, sensor)
+    return None
+
+
+def _spellings(heading: str, unit_below: str) -> Iterator[tuple[str, str]]:
+    """Yield words and unit: as they stand, without a group before, with a unit at the end."""
+    words, unit = split_heading(heading)
+    unit = unit or unit_below
+    bare = _GROUP.sub("", words)
+    for name in dict.fromkeys((words, bare)):
+        yield name, unit
+    if unit:
+        return
+    for name in dict.fromkeys((words, bare)):
+        match = _TRAILING_UNIT.match(name)
+        if match is not None and not unit_fits(match.group(2), TEXT):
+            yield match.group(1), match.group(2)
+
+
+def _numbers(words: str) -> tuple[int | None, int | None, frozenset[str]]:
+    """Return strip, sensor and the names that are left: all words, and ends of them."""
+    known = places()
+    found: dict[str, int] = {}
+    letters, digits = [], []
+    for token in _TOKEN.findall(words):
+        place = known.get(folded(token))
+        if token.isdecimal():
+            digits.append(int(token))
+        elif place is not None:
+            found[place[0]] = place[1]
+        else:
+            letters.append(token)
+    if len(digits) == 1 and 11 <= digits[0] <= 44:  # F12 is sensor 2 of strip 1
+        digits = list(divmod(digits[0], 10))
+    if len(digits) >= 2:
+        found = {"strip": digits[-2], "sensor": digits[-1], **found}
+    elif digits:
+        found.setdefault("sensor" if "sensor" not in found else "strip", digits[0])
+    names = frozenset(folded("".join(letters[at:])) for at in range(len(letters)))
+    return found.get("strip"), found.get("sensor"), names if found else frozenset()

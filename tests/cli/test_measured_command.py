@@ -1,0 +1,59 @@
+"""The command ``measured``: what it shows, writes and refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .conftest import Invoke
+
+
+def _recording(path: Path, heads: str = "position [km];F_1_1 [N];F_1_2 [N];speed [km/h]") -> Path:
+    place = np.arange(0.0, 1200.0, 0.25)
+    force = 60.0 + 12.0 * np.sin(2 * np.pi * place / 50.0)
+    noise = np.random.default_rng(3).normal(0.0, 0.2, (2, len(place)))
+    rows = [
+        f"{7.2 + x / 1e3:.5f};{f + a:.2f};{f + b:.2f};200"
+        for x, f, a, b in zip(place, force, *noise, strict=True)
+    ]
+    rows[900] = rows[900].replace(rows[900].split(";")[1], "900.0")
+    path.write_text("\n".join([heads, *rows]).replace(".", ","), encoding="utf-8")
+    return path
+
+
+def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
+    """Columns, faults, steps, figures and stretches are shown; page, JSON and tables are written;
+    the mapping is kept and said to be used the second time."""
+    path = _recording(tmp_path / "run.csv")
+    shown = invoke("measured", path, "--out", "out")
+    assert shown.code == 0, shown.err
+    for text in ("sensor force strip 1 sensor 2 [N]", "spike", "sum of sensors", "cut-off 20 Hz",
+                 "7 to 8 km", "mapping written"):  # fmt: skip
+        assert text in shown.out + shown.err, text
+    page = (tmp_path / "out" / "measured.html").read_text(encoding="utf-8")
+    assert "900" in page
+    assert "Every step of the processing" in page
+    force = np.genfromtxt(tmp_path / "out" / "force.csv", delimiter=",", skip_header=1)
+    assert force[0, 0] == 7200.0
+    assert np.isnan(force[900, 1])
+    assert abs(np.nanstd(force[:, 1]) - 24.0 / np.sqrt(2.0)) < 0.2
+    again = invoke("measured", path, "--json")
+    assert "columns read as" in again.err
+    assert abs(again.document["force"]["mean"] - 120.0) < 0.3
+    assert again.document["faults"][0]["kind"] == "spike"
+    assert again.document["mapping"]["F_1_2 [N]"]["sensor"] == 2
+
+
+def test_refusals_have_a_cure(invoke: Invoke, tmp_path: Path) -> None:
+    """Without speed and time the option is named, and giving it helps."""
+    path = tmp_path / "bare.csv"
+    path.write_text("position,force\n" + "".join(f"{n / 4},{100 + n % 7}\n" for n in range(400)))
+    refused = invoke("measured", path)
+    assert refused.code == 2
+    assert "--speed '200 km/h'" in refused.err
+    assert invoke("measured", path, "--speed", "200 km/h").code == 0
+    assert invoke("measured", path, "--speed", "7 km").code == 2
+    heavy = invoke("measured", path, "--speed", "200 km/h", "--strip-mass", "3 kg")
+    assert heavy.code == 2
+    assert "strip 1 has no accelerometer" in heavy.err
