@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
 from tautwire.report.parts.sections import chart
 from tautwire.results.conditions import ConditionState
-from tautwire.results.files import write_text
 from tautwire.specs.case import Case
 from tautwire.version import __version__
 
