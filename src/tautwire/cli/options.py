@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from tautwire.results.conditions import DESIGN
+from tautwire.text import DESIGN
 
 CaseArgument = Annotated[
     str,

@@ -8,9 +8,6 @@ from typing import ClassVar
 from tautwire.plain import Plain, named
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 
-DESIGN = "design"
-"""Name of the state without a condition."""
-
 
 @dataclass(frozen=True)
 class EndOfWire(Plain):

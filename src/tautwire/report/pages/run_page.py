@@ -24,6 +24,7 @@ from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
+from tautwire.text import DESIGN
 
 
 def write_report(
@@ -141,9 +142,7 @@ def _conditions(views: Sequence[RunView]) -> dict[str, str]:
     """Return the conditions of runs, where one is not as designed."""
     names = [view.run.case.condition for view in views]
     return (
-        {"Condition": _each(views, lambda v: v.run.case.condition or "design")}
-        if any(names)
-        else {}
+        {"Condition": _each(views, lambda v: v.run.case.condition or DESIGN)} if any(names) else {}
     )
 
 
