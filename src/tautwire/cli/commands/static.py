@@ -25,6 +25,7 @@ from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
+from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.pages.conditions_page import write_conditions_page
 from tautwire.report.parts.condition_words import conditions_csv
 from tautwire.report.parts.tables import write_dropper_table
@@ -79,7 +80,10 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
             name = backend(case.settings.backend)
             with interrupts.patient():
-                answer.document.update(static_document(case, shape, elasticity, name, []))
+                odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
+                answer.advise(odd)
+                warnings = [str(item) for item in odd]
+                answer.document.update(static_document(case, shape, elasticity, name, warnings))
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
                 states = _conditions(answer, model, shape)
