@@ -33,12 +33,16 @@ class Strand:
     nodes : (n,)
     cables : (n - 1,)
         Elements between them.
+    leads : (float, float)
+        Share of its tension that acts along the track at its left and its right end: it comes from
+        the neighbouring support along a chord of the track.
     """
 
     run: Run
     s: Array
     nodes: Index
     cables: Index
+    leads: tuple[float, float]
 
     def position(self, s: float) -> int:
         """Return which of its nodes lies at a place where something is attached [m]."""
@@ -170,7 +174,7 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
     for run, own in zip(line.runs, places, strict=True):
         nodes = number[first_node : first_node + len(own)]
         cables = np.arange(first_cable, first_cable + len(own) - 1)
-        strands.append(Strand(run, own, nodes, cables))
+        strands.append(Strand(run, own, nodes, cables, _leads(line, run)))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
     return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
 
@@ -187,6 +191,16 @@ def _division(line: Line, run: Run, settings: Settings, speed: float) -> Divisio
         return Division(elements, given or longest_hung_interval(line) / elements, graded)
     longest = longest_element(run, settings.band, speed)
     return Division(1, longest if given is None else min(given, longest), graded)
+
+
+def _leads(line: Line, run: Run) -> tuple[float, float]:
+    """Return the cosines between the track at both ends of a run and its chords there."""
+    places = [run.start.s, *(s for s in line.masts if run.start.s < s < run.end.s), run.end.s]
+    frames = line.track.frames(places)
+    chords = np.diff(frames.origin, axis=0)
+    chords /= np.linalg.norm(chords, axis=1, keepdims=True)
+    left, right = (float(chords[end] @ frames.axes[end, 0]) for end in (0, -1))
+    return left, right
 
 
 def _divided(ends: Array, division: Division) -> Array:
