@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
 from tautwire.model.band import longest_element
-from tautwire.numerics.track import Frames
+from tautwire.numerics.track import Frames, Track
 from tautwire.specs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -34,8 +34,8 @@ class Strand:
     cables : (n - 1,)
         Elements between them.
     leads : (float, float)
-        Share of its tension that acts along the track at its left and its right end: it comes from
-        the neighbouring support along a chord of the track.
+        Share of its tension that acts along the track at its left and its right end: in a curve it
+        comes from the neighbouring support along a chord.
     """
 
     run: Run
@@ -194,13 +194,26 @@ def _division(line: Line, run: Run, settings: Settings, speed: float) -> Divisio
 
 
 def _leads(line: Line, run: Run) -> tuple[float, float]:
-    """Return the cosines between the track at both ends of a run and its chords there."""
-    places = [run.start.s, *(s for s in line.masts if run.start.s < s < run.end.s), run.end.s]
-    frames = line.track.frames(places)
-    chords = np.diff(frames.origin, axis=0)
-    chords /= np.linalg.norm(chords, axis=1, keepdims=True)
-    left, right = (float(chords[end] @ frames.axes[end, 0]) for end in (0, -1))
-    return left, right
+    """Return how much less of a run's tension acts along the track at its ends for the curve.
+
+    The ratio of the cosines between the track and the way to the next support, to that on straight
+    track: there the tension is that along the track.
+    """
+    held = [(end.s, end.y, end.z) for end in (run.start, run.end)]
+    pieces = (*line.registrations, *line.suspensions)
+    held += [(piece.at.s, piece.y, piece.z) for piece in pieces if piece.at.run == run.name]
+    places = np.array(sorted(set(held)))
+    left, right = _cosines(line.track, places) / _cosines(Track.straight(), places)
+    return float(left), float(right)
+
+
+def _cosines(track: Track, places: Array) -> Array:
+    """Return cosines between a track and chords at the first and last of some points ``(n, 3)``."""
+    frames = track.frames(places[:, 0])
+    points = frames.to_world(places * np.array([0.0, 1.0, 1.0]))
+    chords = np.diff(points, axis=0)[[0, -1]]
+    along = np.sum(chords * frames.axes[[0, -1], 0], axis=1)
+    return along / np.linalg.norm(chords, axis=1)
 
 
 def _divided(ends: Array, division: Division) -> Array:
