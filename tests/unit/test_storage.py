@@ -16,13 +16,13 @@ import pytest
 
 from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import InputError
+from tautwire.files import replacing, write_text
 from tautwire.model.build import build
 from tautwire.model.equations import equations
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.numerics.network.system import internal_force
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
-from tautwire.results.files import replacing, write_text
 from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.results.storage import (
     load_elasticity,
