@@ -26,7 +26,8 @@ from tautwire.numerics.motion.backend import backend_name, make_stepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions
 from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import Newmark
-from tautwire.numerics.statics.loaded_line import StaticSolver
+from tautwire.numerics.statics.loaded_line import LoadedLine
+from tautwire.numerics.statics.window import Push
 from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]
@@ -81,20 +82,18 @@ def in_balance(
     The stages count from that state: their forces in it balance except the contact force on the
     head, which therefore is the external force of the moving system.
     """
-    chain, solver = given.chain, StaticSolver(system, increment=1e-10)
+    chain, window = given.chain, LoadedLine(system).window(increment=1e-10)
     wire = system.paths[0]
     path = ContactWirePath(wire.nodes, system.cables.length[wire.cables])
     flexibility = 1.0 / stiffness + float((1.0 / chain.stiffness[:-1]).sum())
     ground = given.start_height  # the base spring is slack with the head at the nominal height
     lift = float(given.stage_forces.sum())
-    force, extra = lift, np.zeros(system.dof_count)
-    q = system.position
+    force, q = lift, system.position
     for _ in range(30):
         point = path.locate(q, given.start_x)
         assert point is not None
-        extra[:] = 0.0
-        extra[point.dofs_z] = force * point.row
-        q = solver.solve(extra).position
+        push = Push(point.dofs_z[None], point.row[None], force)
+        q = window.respond([push])[0].position
         height = path.locate(q, given.start_x).height  # type: ignore[union-attr]
         lowest = height - ground + force * flexibility
         force = lift - chain.stiffness[-1] * lowest

@@ -20,8 +20,12 @@ from tautwire.numerics.network.parts import TENSION_ONLY, Cables, Grounds, Path,
 from tautwire.numerics.network.system import System, internal_force, lumped_mass
 from tautwire.numerics.newmark import Integrator, Newmark
 from tautwire.numerics.statics.form_finding import Form, FormProblem, find_form
+from tautwire.numerics.statics.loaded_line import LoadedLine
+from tautwire.numerics.statics.window import Push, Pushed
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.wire import Wire
 
 Array = NDArray[Any]
 
@@ -30,10 +34,28 @@ CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 """Tension [N], mass [kg/m], EA [N], EI [N m2] of the contact wire of AC simple."""
 
 
+def droppers_of(case: Case) -> Droppers:
+    """Return the droppers of a case with one set of them."""
+    assert isinstance(case.droppers, Droppers)
+    return case.droppers
+
+
+def messenger_of(case: Case) -> Wire:
+    """Return the messenger wire of a case that has one."""
+    assert case.wires.messenger is not None
+    return case.wires.messenger
+
+
 def stretch_under(tension: float, axial_stiffness: float) -> float:
     """Return |r'| at which ``EA (|r'|^2 - 1)/2 |r'|`` equals the tension (Green strain)."""
     roots = np.roots([0.5 * axial_stiffness, 0.0, -0.5 * axial_stiffness, -tension])
     return float(roots.real.max())
+
+
+def loaded(system: System, load: Array) -> Pushed:
+    """Return the static state of a whole line, nonlinear everywhere, under more nodal loads."""
+    push = Push(np.arange(system.dof_count)[None], load[None], 1.0)
+    return LoadedLine(system).window(increment=1e-9).respond([push])[0]
 
 
 def empty_system(node_count: int) -> System:

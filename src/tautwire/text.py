@@ -17,6 +17,21 @@ _WHITE = "\t\n\r"
 _ACTING = ("=", "+", "-", "@", "\t", "\r")
 
 
+MARK = "‡"
+"""Beside a figure that mesh and time step do not carry."""
+
+
+def marked(text: str, *, is_carried: bool) -> str:
+    """Return a figure with its mark where mesh and time step do not carry it.
+
+    Examples
+    --------
+    >>> marked("3", is_carried=False)
+    '3 ‡'
+    """
+    return text if is_carried else f"{text}\N{NO-BREAK SPACE}{MARK}"
+
+
 LONGEST_NAME = 60
 """Characters of a name: it stands in columns of tables and in names of files."""
 

@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
-from scipy.optimize import brentq
-from scipy.sparse.linalg import spsolve
+from scipy.optimize import root_scalar
+from scipy.sparse.linalg import splu
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import System, internal_force, tangent_parts
-from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.numerics.statics.newton import NewtonSettings, damped_newton
 from tautwire.status import Status
 
-from ..lines import CONTACT_WIRE, hang, straight_wire, wire_elements
+from ..lines import CONTACT_WIRE, hang, loaded, straight_wire, wire_elements
 
 Array = NDArray[np.float64]
 Record = Callable[..., bool]
@@ -50,7 +49,7 @@ def tip_under(system: System, force: float, steps: int = 4) -> Array:
     def direction(q: Array, r: Array) -> Array:
         k = pattern.csr(pattern.values(tangent_parts(system, q))).tocsc()[free][:, free]
         step = np.zeros(system.dof_count)
-        step[free] = spsolve(k, -r[free])
+        step[free] = splu(k).solve(-r[free])
         return step
 
     q = system.position
@@ -78,7 +77,7 @@ def elastica_tip(load: float) -> Array:
         m, phi, root = integrals(angle)
         return float(ellipk(m) - ellipkinc(phi, m)) - root
 
-    angle = float(brentq(length_fault, 1e-9, 0.5 * np.pi - 1e-9, xtol=1e-15))
+    angle = float(root_scalar(length_fault, bracket=(1e-9, 0.5 * np.pi - 1e-9), xtol=1e-15).root)
     m, phi, root = integrals(angle)
     z = 1.0 - 2.0 / root * float(ellipe(m) - ellipeinc(phi, m))
     return np.array([np.sqrt(2.0 * np.sin(angle)) / root, z])
@@ -129,7 +128,7 @@ def catenary(stretch: Callable[[float], float], tension: float, weight: float) -
     def fault(end: float) -> float:
         return integral(lambda _: tension, end) - 0.5 * SPAN
 
-    end = float(brentq(fault, 0.2 * SPAN, SPAN, xtol=1e-14))
+    end = float(root_scalar(fault, bracket=(0.2 * SPAN, SPAN), xtol=1e-14).root)
     return integral(lambda chi: weight * chi, end), 2.0 * end
 
 
@@ -163,11 +162,11 @@ def test_elastic_catenary_closed_form(record_validation: Record) -> None:
     Green's strain and the linear law differ by less than 1e-7."""
     tension, axial = 22e3, 2.2e8
     ratio = WEIGHT / tension
-    end = float(
-        brentq(
-            lambda s: tension * s / axial + np.arcsinh(ratio * s) / ratio - 0.5 * SPAN, 1.0, SPAN
-        )
-    )
+
+    def fault(s: float) -> float:
+        return tension * s / axial + np.arcsinh(ratio * s) / ratio - 0.5 * SPAN
+
+    end = float(root_scalar(fault, bracket=(1.0, SPAN)).root)
     sag = WEIGHT * end**2 / (2.0 * axial) + (np.sqrt(1.0 + (ratio * end) ** 2) - 1.0) / ratio
     support = float(np.hypot(tension, WEIGHT * end))
     ours = hanging(16, tension, axial)
@@ -221,7 +220,7 @@ def uplift(wire: System, node: int, force: float) -> float:
     """Return the static uplift of a node under a vertical force on it."""
     load = np.zeros(wire.dof_count)
     load[6 * node + 2] = force
-    response = StaticSolver(wire).solve(load)
+    response = loaded(wire, load)
     assert response.status is Status.DONE
     return float(response.position[6 * node + 2])
 
@@ -271,5 +270,5 @@ def test_anchored_string_under_a_large_force() -> None:
         pull = 0.5 * axial * (stretch**2 - 1.0) * stretch
         return 2.0 * pull * w / half - force
 
-    exact = float(brentq(fault, 1e-3, 5.0))
+    exact = float(root_scalar(fault, bracket=(1e-3, 5.0)).root)
     assert uplift(wire, 100, force) == pytest.approx(exact, rel=0.005)

@@ -14,10 +14,9 @@ from tautwire.numerics.motion.dispersion import wave_stiffening
 from tautwire.numerics.motion.stepper import StepOptions
 from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
-from tautwire.numerics.statics.loaded_line import StaticSolver
 from tautwire.status import Status
 
-from ..lines import ac_simple, found, kinetic_energy, potential_energy, stepper
+from ..lines import ac_simple, found, kinetic_energy, loaded, potential_energy, stepper
 
 Array = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ def plucked(system: System, force: float) -> Array:
     middle = system.position[0] + 27.5
     station = int(np.argmin(np.abs(system.position[system.paths[0].nodes * 6] - middle)))
     extra[12 * station + 2] = force
-    response = StaticSolver(system).solve(extra)
+    response = loaded(system, extra)
     assert response.status is Status.DONE
     return response.position
 

@@ -50,6 +50,8 @@ class Check(Plain):
     confidence, note : str
     explanation : str
         What is known of a value outside its limit; empty where nothing is.
+    is_carried : bool
+        Whether mesh and time step carry the value.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("verdict", "words")
@@ -69,6 +71,7 @@ class Check(Plain):
     confidence: str
     note: str
     explanation: str = ""
+    is_carried: bool = True
 
     @property
     def verdict(self) -> str:
@@ -165,8 +168,19 @@ def checks(
             bound = limit.value(speed, mean, free_uplift)
             if bound is not None:
                 found = _with_tuning(_check(limit, pantograph, value, bound), limit, case)
+                found = replace(found, is_carried=_is_carried(limit, pantograph, statistics))
                 rows.append(_with_published(found, limit, case))
     return tuple(rows)
+
+
+def _is_carried(limit: Limit, pantograph: str | None, statistics: RunStatistics) -> bool:
+    """Return whether mesh and time step carry a limited quantity."""
+    if pantograph is None or limit.quantity == "mean":
+        return True
+    entry = statistics.pantograph(pantograph)
+    if limit.quantity == "loss_percent":
+        return entry.contact_loss.is_carried
+    return entry.headline.carries(f"0_{entry.headline.cutoff:g}")
 
 
 def _values(

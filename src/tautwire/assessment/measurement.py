@@ -300,7 +300,7 @@ def _simulated_track(run: Run, name: str, lowpass: Lowpass) -> _Track:
     if force.time.size < 2:
         raise InputError(f"pantograph {name!r} never entered the line; nothing to compare")
     columns = np.column_stack([force.position, force.force])
-    time, values = evenly_spaced(force.time, columns, run.case.settings.time_step)
+    time, values = evenly_spaced(force.time, columns, run.case.settings.step())
     step = float(time[1] - time[0])
     rows = []
     try:

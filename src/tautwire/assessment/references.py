@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Literal, Self
@@ -16,7 +16,7 @@ from tautwire.assessment.data import Record, read_file, read_library
 from tautwire.errors import InputError
 from tautwire.plain import Plain
 from tautwire.results.equilibrium import Elasticity
-from tautwire.results.statistics import RunStatistics
+from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.units import parse_unit, to_unit
 
 LARGE_DEVIATION = 0.05
@@ -216,6 +216,8 @@ class ReferenceRow(Plain):
     filter : str
         Filter of the run's number.
     reference, source, confidence, note : str
+    is_carried : bool
+        Whether mesh and time step carry the number of the run.
     """
 
     quantity: str
@@ -231,6 +233,7 @@ class ReferenceRow(Plain):
     source: str
     confidence: str
     note: str
+    is_carried: bool = True
 
     @property
     def is_off(self) -> bool:
@@ -298,9 +301,22 @@ def compare_with_reference(
         )
     description = entry.filtered[kind].description
     return tuple(
-        _row(reference, name, numbers[name], published, description)
+        replace(
+            _row(reference, name, numbers[name], published, description),
+            is_carried=_is_carried(entry, kind, name),
+        )
         for name, published in reference.values.items()
     )
+
+
+def _is_carried(entry: PantographStatistics, kind: str, name: str) -> bool:
+    """Return whether mesh and time step carry a number of a pantograph."""
+    part = entry.filtered[kind]
+    if name == "loss_percent":
+        return entry.contact_loss.is_carried
+    if name.startswith("std_"):
+        return part.carries(name.removeprefix("std_"))
+    return name in ("mean", "uplift") or part.carries(f"0_{part.cutoff:g}")
 
 
 def compare_elasticity(

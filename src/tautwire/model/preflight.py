@@ -216,7 +216,7 @@ def _mesh(case: Case, line: Line, found: Resolution) -> Iterator[Advice]:
         f"elements of up to {found.element:.3g} m of the wire {found.run!r} carry waves up to "
         f"{found.mesh:.0f} Hz of the band 0-{band:g} Hz, and a head passes those of the contact "
         f"wire at multiples of {case.scenario.speed / found.longest:.0f} Hz; losses of contact and "
-        f"figures above {found.mesh:.0f} Hz are not to be relied on",
+        f"figures above {found.mesh:.0f} Hz are marked ‡",
         cure,
     )
 
@@ -238,8 +238,8 @@ def _step(case: Case, found: Resolution) -> Iterator[Advice]:
         "time step",
         "note",
         f"steps of {step:g} ms carry {found.step:.4g} Hz of the band 0-{band:g} Hz "
-        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are not "
-        "to be relied on",
+        f"({STEPS_PER_PERIOD:g} steps per period); losses of contact and figures above are "
+        "marked ‡",
         f"leave settings.time_step out, or give {1e3 / (STEPS_PER_PERIOD * band):.3g} ms",
     )
 

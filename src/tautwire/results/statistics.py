@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.plain import Plain, named, plain
-from tautwire.text import Told
+from tautwire.text import Told, marked
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,13 @@ ARC_DURATION = 0.005
 
 LOSS_CLASSES = (0.0, 1e-3, ARC_DURATION, 1e-2, 2e-2)
 """Limits of the classes of loss durations [s]."""
+
+LOSS_BAND = 200.0
+"""Highest frequency that losses of contact depend on [Hz]: they last some milliseconds; the widest
+band of Song et al. (2021)."""
+
+_ROUNDING = 1e-6
+"""Share by which a frequency may be missed that counts as carried: lengths are rounded."""
 
 ARC_NOTE = (
     "Losses of contact are a surrogate for measured arcing: no arc is modelled, and it may burn "
@@ -115,6 +122,8 @@ class FilteredStatistics:
         Force not exceeded in so many percent of the samples.
     histogram : Histogram
     per_span : tuple of SpanStatistics
+    carried : float Hz
+        Highest frequency that mesh and time step carry; figures above it are marked.
     """
 
     kind: str
@@ -128,6 +137,11 @@ class FilteredStatistics:
     percentiles: Mapping[float, float]
     histogram: Histogram
     per_span: tuple[SpanStatistics, ...]
+    carried: float = math.inf
+
+    def carries(self, band: str) -> bool:
+        """Return whether mesh and time step carry a band, ``"0_200"`` for 0 to 200 Hz."""
+        return float(band.split("_")[1]) <= self.carried * (1.0 + _ROUNDING)
 
     @property
     def statistical_maximum(self) -> float:
@@ -146,6 +160,7 @@ class FilteredStatistics:
             "filter": self.description,
             "mean_n": plain(self.mean),
             **bands,
+            "not_carried": [f"std_{k}_n" for k in self.standard_deviations if not self.carries(k)],
             "max_n": plain(self.maximum),
             "min_n": plain(self.minimum),
             "statistical_max_n": plain(self.statistical_maximum),
@@ -211,11 +226,19 @@ class ContactLoss:
         Time the pantograph was in the section.
     events : tuple of LossEvent
         In order of time.
+    carried : float Hz
+        Highest frequency that mesh and time step carry.
     """
 
     pantograph: str
     observed: float
     events: tuple[LossEvent, ...]
+    carried: float = math.inf
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether mesh and time step carry what losses depend on (:data:`LOSS_BAND`)."""
+        return self.carried * (1.0 + _ROUNDING) >= LOSS_BAND
 
     @property
     def count(self) -> int:
@@ -253,6 +276,7 @@ class ContactLoss:
         """Return the losses as plain data for JSON."""
         return {
             "count": self.count,
+            "is_carried": self.is_carried,
             "percent": plain(self.percent),
             "longest_ms": 1e3 * self.longest,
             "count_over_5_ms": self.count_over(),
@@ -438,7 +462,7 @@ class RunStatistics(Told):
             told[entry.name] = (
                 f"mean {force.mean:.1f} N, sigma {force.standard_deviation:.1f} N, "
                 f"{force.minimum:.0f} to {force.maximum:.0f} N (0 to {force.cutoff:g} Hz), "
-                f"{loss.count} losses of contact"
+                f"{marked(str(loss.count), is_carried=loss.is_carried)} losses of contact"
             )
         told["largest uplift"] = f"{1e3 * self.uplift.maximum:.1f} mm"
         return told | ({"notes": " ".join(self.notes)} if self.notes else {})
@@ -466,8 +490,9 @@ class RunStatistics(Told):
                     f"max {values.maximum:.2f}  min {values.minimum:.2f}{mark}"
                 )
             loss = entry.contact_loss
+            count = marked(str(loss.count), is_carried=loss.is_carried)
             lines.append(
-                f"  contact loss: {loss.count} events, {loss.percent:.3f} % of the time, "
+                f"  contact loss: {count} events, {loss.percent:.3f} % of the time, "
                 f"longest {1e3 * loss.longest:.2f} ms"
             )
         lines.append(f"largest uplift at a support {1e3 * self.uplift.maximum:.1f} mm")

@@ -19,7 +19,7 @@ COARSEST_STEP = 1e-3
 """Longest time step that the program chooses [s]: that of the published models of AC simple."""
 STEPS_PER_PERIOD = 5.0
 """Time steps per period of the highest frequency of the band: on lines of public data halving the
-step of 1 ms moves the standard deviation up to 200 Hz by at most 0.6 %, although vibrations of
+step of 1 ms moves the standard deviation up to 200 Hz by at most 0.8 %, although vibrations of
 200 Hz themselves become 12 % slower."""
 FEWEST_GRADED = 6
 """Nodes between attachment points that a graded mesh needs: both, four near them, none between."""

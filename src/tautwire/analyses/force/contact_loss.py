@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.analyses.force.section import analysed_section, time_in_section
+from tautwire.line.expand import expand
+from tautwire.model.resolution import resolution
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.run import PantographRecord, Run
 from tautwire.results.statistics import ContactLoss, LossEvent, Section
@@ -43,12 +45,19 @@ def contact_loss(
     tuple of ContactLoss
         One per pantograph, in their order.
     """
-    part = analysed_section(run, section)
-    return tuple(pantograph_loss(run, record, part, counted=counted) for record in run.pantographs)
+    part, carried = analysed_section(run, section), carried_band(run)
+    return tuple(
+        pantograph_loss(run, record, part, carried, counted=counted) for record in run.pantographs
+    )
+
+
+def carried_band(run: Run) -> float:
+    """Return the highest frequency that mesh and time step of a run carry [Hz]."""
+    return resolution(run.case, expand(run.case)).carried
 
 
 def pantograph_loss(
-    run: Run, record: PantographRecord, section: Section, *, counted: bool = False
+    run: Run, record: PantographRecord, section: Section, carried: float, *, counted: bool = False
 ) -> ContactLoss:
     """Find the contact losses of one pantograph inside a section.
 
@@ -57,6 +66,8 @@ def pantograph_loss(
     run : Run
     record : PantographRecord
     section : Section
+    carried : float Hz
+        Highest frequency that mesh and time step carry.
     counted : bool
         Count lost samples, each as one time step.
 
@@ -66,7 +77,7 @@ def pantograph_loss(
     """
     window = time_in_section(run, record, section)
     if window is None:
-        return ContactLoss(record.name, 0.0, ())
+        return ContactLoss(record.name, 0.0, (), carried)
     time, position = run.time[record.active], record.position[record.active]
     intervals = _intervals(run, record, counted=counted)
     start, end, is_cut = clip_intervals(*intervals, *window)
@@ -76,7 +87,7 @@ def pantograph_loss(
         LossEvent(float(t), float(u - t), float(x), nearest_place(run.equilibrium, x), bool(cut))
         for t, u, x, cut in zip(start, end, places, is_cut, strict=True)
     )
-    return ContactLoss(record.name, window[1] - window[0], events)
+    return ContactLoss(record.name, window[1] - window[0], events, carried)
 
 
 def _intervals(run: Run, record: PantographRecord, *, counted: bool) -> tuple[Array, Array]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.force.contact_loss import pantograph_loss
+from tautwire.analyses.force.contact_loss import carried_band, pantograph_loss
 from tautwire.analyses.force.section import analysed_section, passage_mask
 from tautwire.errors import InputError
 from tautwire.results.run import ForceRecord, PantographRecord, Run
@@ -21,8 +22,9 @@ from tautwire.results.statistics import (
     SpanStatistics,
     UpliftStatistics,
 )
-from tautwire.signals.bands import BANDS, band_name, band_standard_deviations
+from tautwire.signals.bands import BANDS, WIDEST, band_name, band_standard_deviations
 from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass, evenly_spaced
+from tautwire.text import MARK
 
 Array = NDArray[np.float64]
 
@@ -65,8 +67,10 @@ def contact_statistics(
     """
     part = analysed_section(run, section)
     filters, headline = _filters(run, filter)
+    carried = carried_band(run)
     pantographs = tuple(
-        _pantograph_statistics(run, record, part, filters, headline) for record in run.pantographs
+        _pantograph_statistics(run, record, part, filters, headline, carried)
+        for record in run.pantographs
     )
     return RunStatistics(
         case_name=run.case.name,
@@ -75,7 +79,7 @@ def contact_statistics(
         pantographs=pantographs,
         uplift=support_uplift(run, part),
         droppers=dropper_statistics(run, part),
-        notes=_notes(run, part, pantographs),
+        notes=(*_notes(run, part, pantographs), *_marks(carried)),
     )
 
 
@@ -245,6 +249,7 @@ def _pantograph_statistics(
     section: Section,
     filters: dict[str, Lowpass],
     headline: str,
+    carried: float,
 ) -> PantographStatistics:
     force = uniform_force(run, record.name)
     supports = run.equilibrium.support_x
@@ -254,11 +259,11 @@ def _pantograph_statistics(
         uplift_force=record.uplift_force,
         target_mean=record.target_mean,
         filtered={
-            kind: force_statistics(force, lowpass, section, supports)
+            kind: replace(force_statistics(force, lowpass, section, supports), carried=carried)
             for kind, lowpass in filters.items()
         },
         headline_kind=headline,
-        contact_loss=pantograph_loss(run, record, section),
+        contact_loss=pantograph_loss(run, record, section, carried),
         contact_height_range=float(np.ptp(heights)) if heights.size else float("nan"),
     )
 
@@ -300,6 +305,16 @@ def _sample_durations(time: Array) -> Array:
         return np.zeros(time.size)
     steps = np.diff(time)
     return 0.5 * (np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]]))
+
+
+def _marks(carried: float) -> tuple[str, ...]:
+    """Say what the mark means, where losses or bands have one."""
+    if carried * (1.0 + 1e-6) >= WIDEST:
+        return ()
+    return (
+        f"{MARK}: mesh and time step carry {carried:.0f} Hz; losses of contact and figures of "
+        "wider bands are not to be relied on",
+    )
 
 
 def _notes(

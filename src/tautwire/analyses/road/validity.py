@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.model.preflight import preflight
 from tautwire.results.run import PantographRecord, Run
 from tautwire.specs.scenario import TUNING_TOLERANCE
 
@@ -30,8 +31,9 @@ TUNING_SHARE = 0.05
 
 
 def judged(run: Run) -> Run:
-    """Return a run whose warnings also name what is outside the model's world."""
-    return replace(run, warnings=(*run.warnings, *outside_the_model(run)))
+    """Return a run whose warnings hold the advice on its case and what is outside the model."""
+    advice = (str(item) for item in preflight(run.case))
+    return replace(run, warnings=(*run.warnings, *advice, *outside_the_model(run)))
 
 
 def outside_the_model(run: Run) -> tuple[str, ...]:

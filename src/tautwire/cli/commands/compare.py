@@ -19,6 +19,7 @@ from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.inputs.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.comparison import (
@@ -28,7 +29,6 @@ from tautwire.report.parts.comparison import (
     percentile_rows,
     verdict_of,
 )
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.text import csv_text
 from tautwire.version import __version__

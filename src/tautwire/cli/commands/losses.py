@@ -11,7 +11,7 @@ from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.analyses.force.loss_comparison import compare_losses
 from tautwire.cli.commands.results import load_runs
 from tautwire.cli.session import Answer
-from tautwire.cli.views.loss_view import loss_view
+from tautwire.cli.views.loss_view import loss_cells, loss_view, not_carried
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.report.parts.views import labels_of
@@ -19,6 +19,7 @@ from tautwire.report.parts.words import MISSING, number, quantity
 from tautwire.results.loss_comparison import LossComparison
 from tautwire.results.run import Run
 from tautwire.results.statistics import ARC_NOTE, ContactLoss
+from tautwire.text import MARK, marked
 from tautwire.version import __version__
 
 
@@ -75,8 +76,8 @@ def _comparison_view(compared: LossComparison, losses: Mapping[str, ContactLoss]
     rows = [
         (
             match.label,
-            str(match.loss.count),
-            str(match.loss.count_over()),
+            *loss_cells([match.loss], lambda loss: str(loss.count)),
+            *loss_cells([match.loss], lambda loss: str(loss.count_over())),
             str(len(match.missed)),
             str(len(match.spurious)),
             _percent(match.median_error),
@@ -86,7 +87,9 @@ def _comparison_view(compared: LossComparison, losses: Mapping[str, ContactLoss]
     ]
     own = compared.reference
     none = (MISSING, MISSING, MISSING, MISSING)
-    rows.append((compared.label, str(own.count), str(own.count_over()), *none))
+    counts = (str(own.count), str(own.count_over()))
+    told = (marked(count, is_carried=own.is_carried) for count in counts)
+    rows.append((compared.label, *told, *none))
     heads = ("", "losses", "≥ 5 ms", "missed", "spurious", "median error", "largest")
     durations = [
         (
@@ -114,7 +117,12 @@ def _comparison_view(compared: LossComparison, losses: Mapping[str, ContactLoss]
         for word, events in (("missed", match.missed), ("invented", match.spurious))
         for event in events
     ]  # fmt: skip
-    return [*parts, facts([*lone, ("note", ARC_NOTE)])]
+    unsure = {
+        (f"{MARK} {label}", not_carried(loss))
+        for label, loss in losses.items()
+        if not loss.is_carried
+    }
+    return [*parts, facts([*lone, *sorted(unsure), ("note", ARC_NOTE)])]
 
 
 def _percent(share: float) -> str:

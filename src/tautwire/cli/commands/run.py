@@ -24,13 +24,13 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import size
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
 from tautwire.results.equilibrium import Elasticity
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
 from tautwire.specs.case import Case
@@ -159,9 +159,9 @@ def _present(answer: Answer, run: Run, criteria: Criteria, advice: Sequence[str]
     """Fill the document and show the summary."""
     statistics = contact_statistics(run)
     found = criteria.checks(statistics, run.case)
-    later = [*run.warnings, *statistics.notes]
-    answer.warn(later)
-    answer.document.update(run_document(run, statistics, found, [*advice, *later]))
+    warnings = [*run.warnings, *statistics.notes]
+    answer.warn([text for text in warnings if text not in advice])
+    answer.document.update(run_document(run, statistics, found, warnings))
     answer.show(*run_view(run, statistics, found))
     if run.status == "partial":
         answer.say(run.message, style="yellow")

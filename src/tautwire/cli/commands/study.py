@@ -21,11 +21,11 @@ from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
 from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
 from tautwire.report.parts.words import number
-from tautwire.results.files import write_text
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import WHOLE, Plan, plan_study
@@ -33,7 +33,7 @@ from tautwire.studies.run import Options, StudyProgress, core_count, run_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import load_study
 from tautwire.studies.table import StudyTable, collect
-from tautwire.text import as_name
+from tautwire.text import MARK, as_name, marked
 from tautwire.version import __version__
 
 if TYPE_CHECKING:
@@ -212,6 +212,7 @@ def _document(
         "elapsed_s": elapsed,
         "cpu_per_case_s": _mean(found, "cpu_s"),
         "failures": [failure.as_dict() for failure in found.failures()],
+        "warned": [warned.as_dict() for warned in found.warned()],
         "axes": [
             {
                 "name": axis.name,
@@ -247,18 +248,19 @@ def _view(found: StudyTable, last: StudyProgress | None, elapsed: float) -> list
             ]
         ),
     ]
-    failures = found.failures()
-    if failures:
-        rows = [(str(len(f.cases)), f.status, f.reason) for f in failures]
-        parts += [heading("Without a result"), table(("cases", "", "reason"), "rlL", rows)]
+    for title, alike in (("Without a result", found.failures()), ("Warnings", found.warned())):
+        if alike:
+            rows = [(str(len(one.cases)), one.status, one.reason) for one in alike]
+            parts += [heading(title), table(("cases", "", "reason"), "rlL", rows)]
     if "std" in found.variables:
         parts += [heading("Cases", _window(found)), _case_table(found)]
     return parts
 
 
 def _window(found: StudyTable) -> str:
+    marks = f"; {MARK}: mesh and time step do not carry it" if any(found.marked.ravel()) else ""
     first = "" if found.status.size <= MOST_ROWS else f"the first {MOST_ROWS}; "
-    return f"{first}leading pantograph, sharp filter, forces in N; all in table.csv"
+    return f"{first}leading pantograph, sharp filter, forces in N; all in table.csv{marks}"
 
 
 def _case_table(found: StudyTable) -> Any:
@@ -273,18 +275,26 @@ def _case_table(found: StudyTable) -> Any:
         if found.status[index] != "done":
             rows.append((*shown, str(found.status[index]), *[""] * (2 + len(bands))))
             continue
-        rows.append((*shown, *_forces(found, (*index, 0, 0), bands)))
+        rows.append((*shown, *_forces(found, index, bands)))
     heads = [title.replace(" ", "\n") for _, title, _ in axes]
     names = [f"σ\n{band.replace('_', '-')}" for band in bands]
     return table((*heads, "mean", *names, "max", "min"), "r" * (len(axes) + 3 + len(bands)), rows)
 
 
-def _forces(found: StudyTable, leading: tuple[int, ...], bands: Sequence[str]) -> list[str]:
+def _forces(found: StudyTable, index: tuple[int, ...], bands: Sequence[str]) -> list[str]:
     """Return mean, standard deviations and extremes of the leading pantograph."""
-    at = found.labels["band"].index
-    deviations = [float(found["std"].values[(*leading, at(band))]) for band in bands]
-    mean, high, low = (float(found[n].values[leading]) for n in ("mean", "maximum", "minimum"))
-    return [number(value) for value in (mean, *deviations, high, low)]
+    at, leading = found.labels["band"].index, (*index, 0, 0)
+    deviations = [
+        marked(
+            number(float(found["std"].values[(*leading, at(band))])),
+            is_carried=found.carries(index, f"std_{band}"),
+        )
+        for band in bands
+    ]
+    mean, high, low = (
+        number(float(found[n].values[leading])) for n in ("mean", "maximum", "minimum")
+    )
+    return [mean, *deviations, high, low]
 
 
 class StudyWatch:

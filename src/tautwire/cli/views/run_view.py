@@ -13,13 +13,14 @@ from tautwire.assessment.references import (
     load_references,
 )
 from tautwire.cli.progress import duration
-from tautwire.cli.views.loss_view import loss_view
+from tautwire.cli.views.loss_view import loss_cells, loss_view
 from tautwire.cli.views.tables import batched, facts, heading, table
 from tautwire.inputs.overrides import OVERRIDDEN
 from tautwire.report.parts.words import MISSING, counted, number, quantity, readable, speed
 from tautwire.results.run import Run
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
+from tautwire.text import marked
 
 MOST_LOSSES = 10
 """Losses of contact of one pantograph that are listed."""
@@ -92,13 +93,20 @@ def _short(kind: str) -> str:
 
 def _force_table(columns: Sequence[tuple[str, PantographStatistics, str]]) -> Any:
     parts = [entry.filtered[kind] for _, entry, kind in columns]
+    low = f"0_{parts[0].cutoff:g}"
+
+    def headline(name: str) -> list[str]:
+        return [marked(number(getattr(p, name), 2), is_carried=p.carries(low)) for p in parts]
+
     rows = [("mean", *(number(part.mean, 2) for part in parts))]
     for band in parts[0].standard_deviations:
-        values = (number(part.standard_deviations[band], 2) for part in parts)
+        values = (
+            marked(number(part.standard_deviations[band], 2), is_carried=part.carries(band))
+            for part in parts
+        )
         rows.append((f"σ {band.replace('_', '-')} Hz", *values))
     rows += [
-        (f"{QUANTITIES[name]}, 0-{parts[0].cutoff:g} Hz", *(number(getattr(p, name), 2)
-         for p in parts))
+        (f"{QUANTITIES[name]}, 0-{parts[0].cutoff:g} Hz", *headline(name))
         for name in ("maximum", "minimum", "statistical_maximum", "statistical_minimum")
     ]  # fmt: skip
     return table(("", *(head for head, _, _ in columns)), "l" + "r" * len(columns), rows)
@@ -119,10 +127,10 @@ def _passage_table(entries: Sequence[PantographStatistics]) -> Any:
     rows = [
         ("uplift force", *(quantity(entry.uplift_force, "N", 2) for entry in entries)),
         ("tuned to a mean of", *(_target(entry) for entry in entries)),
-        ("contact losses", *(str(loss.count) for loss in losses)),
-        ("5 ms or longer", *(str(loss.count_over()) for loss in losses)),
-        ("share of time", *(quantity(loss.percent, "%", 3) for loss in losses)),
-        ("longest", *(quantity(1e3 * loss.longest, "ms") for loss in losses)),
+        ("contact losses", *loss_cells(losses, lambda loss: str(loss.count))),
+        ("5 ms or longer", *loss_cells(losses, lambda loss: str(loss.count_over()))),
+        ("share of time", *loss_cells(losses, lambda loss: quantity(loss.percent, "%", 3))),
+        ("longest", *loss_cells(losses, lambda loss: quantity(1e3 * loss.longest, "ms"))),
     ]
     heads = ("", *(entry.name for entry in entries))
     return table(heads, "l" + "r" * len(entries), rows)
@@ -147,7 +155,7 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
         rows.append(
             (
                 name,
-                readable(check.value, check.unit),
+                marked(readable(check.value, check.unit), is_carried=check.is_carried),
                 f"{sign} {readable(check.limit, check.unit)}",
                 check.standard,
                 remembered,
@@ -183,7 +191,7 @@ def reference_table(rows: Iterable[ReferenceRow]) -> Any:
     cells = [
         (
             _quantity_name(row.quantity),
-            readable(row.value, row.unit),
+            marked(readable(row.value, row.unit), is_carried=row.is_carried),
             _published(row),
             _outcome(row),
         )

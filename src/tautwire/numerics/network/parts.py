@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.elements.bar import BarState, bar_state
+from tautwire.numerics.elements.bar import BarState, bar_state, bar_tangent
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
@@ -37,6 +37,10 @@ class _Part:
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some arrays replaced."""
         return replace(self, **changes)
+
+    def chosen(self, keep: NDArray[np.bool_]) -> Self:
+        """Return some of the parts."""
+        return replace(self, **{item.name: getattr(self, item.name)[keep] for item in fields(self)})
 
     def joined(self, *others: Self) -> Self:
         """Return these parts and some others as one group."""
@@ -244,6 +248,13 @@ class Stays(_Part):
         """Return the axial force at some lengths, tension positive, ``(n_stay,)`` [N]."""
         force = self.stiffness * (length - self.length)
         return np.where(law_allows(self.law, force), force, 0.0)
+
+    def tangent(self, q: Array) -> Array:
+        """Return the tangent of each stay at coordinates ``q``, ``(3, 3, n_stay)`` [N/m]."""
+        state = self.state(q)
+        force = self.axial_force(state.length)
+        acts = (self.law == BOTH_WAYS) | (force != 0.0)
+        return bar_tangent(state, acts * self.stiffness, force)
 
 
 @dataclass(frozen=True, eq=False)

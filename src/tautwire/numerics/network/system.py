@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from tautwire.numerics.elements import ancf
 from tautwire.numerics.elements.bar import BarState, bar_tangent
 from tautwire.numerics.network.parts import (
-    BOTH_WAYS,
     Cables,
     Clamps,
     Grounds,
@@ -224,20 +223,17 @@ def tangent_parts(
     pushing
         True counts the force of droppers that are too short to be taut (while a shape is sought).
     """
-    ties, stays = system.ties, system.stays
+    ties = system.ties
     state = ties.state(q)
     axial = ties.stiffness * (state.length - ties.length)
     if not pushing:
         axial = np.where(law_allows(ties.law, axial), axial, 0.0)
     keep = np.ones(len(axial)) if taut is None else taut.astype(float)
-    arm = stays.state(q)
-    tension = stays.axial_force(arm.length)
-    acts = (stays.law == BOTH_WAYS) | (tension != 0.0)
     return PartMatrices(
         ancf.tangent(system.cables.coordinates(q), system.cables.section),
         bar_tangent(state, keep * ties.stiffness, keep * axial),
         np.eye(3)[:, :, None] * system.clamps.stiffness,
-        bar_tangent(arm, acts * stays.stiffness, tension),
+        system.stays.tangent(q),
         np.moveaxis(system.grounds.stiffness, 0, -1),
     )
 

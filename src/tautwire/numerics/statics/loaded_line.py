@@ -1,172 +1,118 @@
-"""Static response to point forces: modified Newton with an exact account of slack droppers.
+"""Static response to point forces: a nonlinear window in a line that is linear outside it.
 
-The tangent of the unloaded line, with every dropper taut, is factored once. Slack droppers are
-taken out of it by a low-rank correction (Woodbury), so that only the small change of geometry is
-left to the iteration.
+The tangent of the unloaded line is factored once from either end. What lies left and right of a
+window then acts on it through two small matrices, exactly as the whole line does as long as it is
+linear there; inside, elements and droppers are nonlinear. The cost of a force does not depend on
+the length of the line.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.network.banded import BandedCholesky, Pattern
-from tautwire.numerics.network.system import System, internal_force, tangent_parts
-from tautwire.status import Status
+from tautwire.numerics.network.cuts import between
+from tautwire.numerics.network.system import System, tangent_parts
+from tautwire.numerics.statics.window import Window
 
 Array = NDArray[Any]
 
-_MODIFIED_ITERATIONS = 40
-"""Most iterations with the factor at rest, each a hundredth of a factor; at half as many some
-points of AC simple go on with full Newton, which moves the elasticity by 1e-8."""
-_FULL_ITERATIONS = 60
-"""Most iterations with full Newton: 3 rad of turning in steps as below, and a few to converge."""
-_SLOPE_STEP = 0.05
-"""Largest change of a direction in one iteration [rad]: a taut wire turns by about as much between
-neighbouring droppers. Chosen: 0.02 and 0.2 change nothing on AC simple."""
-_RESPONSES_KEPT = 64
-"""Solved unit loads of droppers that are kept: those within reach of a few points; memory for long
-lines. With 8 the elasticity takes as long."""
-_DIVERGED = 10.0
-"""Growth of an increment that ends the iteration with the factor at rest; chosen, a
-wire that turns up to its next dropper makes one grow once, by less."""
 
-
-@dataclass(frozen=True, eq=False)
-class StaticResponse:
-    """Static state under an extra load.
-
-    Attributes
-    ----------
-    status : Status
-    position : (n_dof,)
-    dropper_force : (n_dropper,) N
-    iterations : int
-    """
-
-    status: Status
-    position: Array
-    dropper_force: Array
-    iterations: int
-
-
-class StaticSolver:
-    """Solves ``Q(q) = load + extra`` for many extra loads on one line.
+class LoadedLine:
+    """A line at rest whose response to forces is wanted in many places.
 
     Parameters
     ----------
     system
         The line; ``position`` is its unloaded static state.
-    increment
-        Largest change of a coordinate accepted as converged [m].
+
+    Raises
+    ------
+    ValueError
+        When the tangent of the static state is not positive definite.
     """
 
-    def __init__(self, system: System, increment: float = 1e-8) -> None:
+    def __init__(self, system: System) -> None:
         self._system = system
-        self._increment = increment
         self._pattern = Pattern(system)
         ties = system.ties
         state = ties.state(system.position)
-        self._taut0 = ties.acting(ties.stiffness * (state.length - ties.length))
-        factor = self._factor(system.position, self._taut0)
-        if factor is None:
+        taut = ties.acting(ties.stiffness * (state.length - ties.length))
+        values = self._pattern.values(tangent_parts(system, system.position, taut=taut))
+        self._band = self._pattern.upper_band(values)
+        found = BandedCholesky.of(self._band), BandedCholesky.of(_reversed(self._band))
+        if found[0] is None or found[1] is None:
             raise ValueError("the tangent of the static state is not positive definite")
-        self._base = factor
-        self._dofs, self._pull = self._unit_dropper_loads(state.direction)
-        self._solved: dict[int, Array] = {}
+        self._from_left, self._from_right = found[0].factor, found[1].factor
 
-    def solve(self, extra: Array) -> StaticResponse:
-        """Return the static state under additional nodal loads ``extra`` ``(n_dof,)``."""
-        response = self._modified_newton(extra)
-        if response.status is Status.DONE:
-            return response
-        return self._full_newton(extra)
+    def window(self, first: int = 0, last: int | None = None, increment: float = 1e-8) -> Window:
+        """Return a window, the whole line by default.
 
-    @property
-    def size(self) -> int:
-        """Number of degrees of freedom."""
-        return self._system.dof_count
+        Parameters
+        ----------
+        first, last
+            Its nodes are ``first`` to ``last - 1``; it is widened to the width of the band.
+        increment
+            Largest change of a coordinate accepted as converged [m].
+        """
+        count = self._system.node_count
+        last = count if last is None else last
+        missing = max(0, -(-self._pattern.bandwidth // 6) - (last - first))
+        first, last = max(0, first - missing), min(count, last + missing)
+        inside = between(self._system, first, last)
+        band = _without_rows_above(self._band[:, 6 * first : 6 * last])
+        in_corner = np.zeros(inside.dof_count, dtype=bool)
+        if first > 0:
+            self._condense(band, in_corner, 0, self._left_of(6 * first))
+        if last < count:
+            block = self._right_of(6 * last)
+            self._condense(band, in_corner, inside.dof_count - len(block), block)
+        return Window(inside, 6 * first, band, in_corner, increment)
 
-    def linear(self, extra: Array) -> Array:
-        """Return the small displacements under extra loads, all droppers taut, ``(n_dof,)``."""
-        return self._base.solve(np.where(self._system.fixed, 0.0, extra))
+    def _condense(
+        self, band: Array, in_corner: NDArray[np.bool_], first: int, block: Array
+    ) -> None:
+        """Take a block off the stiffness in upper banded storage, in place."""
+        width = len(band) - 1
+        in_corner[first : first + len(block)] = True
+        for column in range(len(block)):
+            band[width - column :, first + column] -= block[: column + 1, column]
 
-    def _factor(self, q: Array, taut: NDArray[np.bool_]) -> BandedCholesky | None:
-        values = self._pattern.values(tangent_parts(self._system, q, taut=taut))
-        return BandedCholesky.of(self._pattern.upper_band(values))
+    def _left_of(self, dof: int) -> Array:
+        """Return what the line left of a coordinate takes off the stiffness right of it."""
+        return _coupling(self._from_left, dof)
 
-    def _unit_dropper_loads(self, direction: Array) -> tuple[Array, Array]:
-        """Return dofs and values of a unit tension in each dropper, both ``(n_dropper, 6)``."""
-        system = self._system
-        dofs = system.ties.dofs.T
-        pull = np.concatenate([direction.T, -direction.T], axis=1)
-        return dofs, np.where(system.fixed[dofs], 0.0, pull)
+    def _right_of(self, dof: int) -> Array:
+        """Return what the line from a coordinate on takes off the stiffness left of it."""
+        block = _coupling(self._from_right, self._system.dof_count - dof)
+        return block[::-1, ::-1]
 
-    def _response_to(self, dropper: int) -> Array:
-        """Return the displacements under a unit tension in one dropper, ``(n_dof,)``."""
-        if dropper not in self._solved:
-            if len(self._solved) >= _RESPONSES_KEPT:
-                self._solved.clear()
-            load = np.zeros(self._system.dof_count)
-            load[self._dofs[dropper]] = self._pull[dropper]
-            self._solved[dropper] = self._base.solve(load)
-        return self._solved[dropper]
 
-    def _residual(self, q: Array, extra: Array) -> tuple[Array, Array]:
-        force = internal_force(self._system, q)
-        r = self._system.load + extra - force.nodal
-        r[self._system.fixed] = 0.0
-        return r, force.tie_axial
+def _reversed(band: Array) -> Array:
+    """Return the upper band of the matrix with rows and columns in reverse order."""
+    width = len(band) - 1
+    out = np.zeros_like(band)
+    for d in range(width + 1):
+        out[width - d, d:] = band[width - d, d:][::-1]
+    return out
 
-    def _size(self, dq: Array) -> float:
-        return float(np.abs(dq[self._system.translations]).max())
 
-    def _modified_newton(self, extra: Array) -> StaticResponse:
-        q = self._system.position.copy()
-        last, count = np.inf, 0
-        r, axial = self._residual(q, extra)
-        while count < _MODIFIED_ITERATIONS:
-            count += 1
-            slack = np.flatnonzero(self._taut0 & ~self._system.ties.acting(axial))
-            dq = self._base.solve(r)
-            if len(slack):
-                dq = self._without(slack, dq)
-            size = self._size(dq)
-            if not np.isfinite(size) or size > _DIVERGED * last:
-                break
-            q += dq
-            last = size
-            r, axial = self._residual(q, extra)
-            if size <= self._increment:
-                return StaticResponse(Status.DONE, q, axial, count)
-        return StaticResponse(Status.NOT_CONVERGED, q, axial, count)
+def _coupling(factor: Array, at: int) -> Array:
+    """Return ``U12' U12`` of an upper factor cut at a row: a block of the width of the band."""
+    width = len(factor) - 1
+    count = min(width, at)
+    upper = np.zeros((count, width))
+    for column in range(width):
+        rows = np.arange(max(at - count, at + column - width), at)
+        upper[rows - (at - count), column] = factor[width + rows - (at + column), at + column]
+    return upper.T @ upper
 
-    def _without(self, slack: NDArray[np.int64], dq: Array) -> Array:
-        """Correct a solution for droppers that have gone slack."""
-        dofs, pull = self._dofs[slack], self._pull[slack]
-        responses = np.column_stack([self._response_to(int(i)) for i in slack])
-        small = np.einsum("ik,ikj->ij", pull, responses[dofs])
-        small -= np.diag(1.0 / self._system.ties.stiffness[slack])
-        amplitude = np.linalg.solve(small, np.einsum("ik,ik->i", pull, dq[dofs]))
-        return dq - responses @ amplitude
 
-    def _full_newton(self, extra: Array) -> StaticResponse:
-        q = self._system.position.copy()
-        count = 0
-        r, axial = self._residual(q, extra)
-        while count < _FULL_ITERATIONS:
-            count += 1
-            factor = self._factor(q, self._system.ties.acting(axial))
-            if factor is None:
-                return StaticResponse(Status.SINGULAR, q, axial, count)
-            dq = factor.solve(r)
-            if not np.isfinite(self._size(dq)):
-                return StaticResponse(Status.NOT_FINITE, q, axial, count)
-            q += dq / max(1.0, float(np.abs(dq.reshape(-1, 6)[:, 3:]).max()) / _SLOPE_STEP)
-            r, axial = self._residual(q, extra)
-            if self._size(dq) <= self._increment:
-                return StaticResponse(Status.DONE, q, axial, count)
-        return StaticResponse(Status.NOT_CONVERGED, q, axial, count)
+def _without_rows_above(band: Array) -> Array:
+    """Return columns of an upper band as a matrix of their own: without rows of columns before."""
+    width = len(band) - 1
+    row = np.arange(band.shape[1]) - width + np.arange(width + 1)[:, None]
+    return np.where(row < 0, 0.0, band)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautwire.assessment.measurement import MeasurementComparison
+from tautwire.files import write_text
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.measured_page import reading_blocks
@@ -27,7 +28,6 @@ from tautwire.report.parts.comparison import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import listing
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.version import __version__
 

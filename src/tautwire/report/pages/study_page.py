@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautwire.files import write_text
 from tautwire.report.figures.study_figures import readable_axis, usual_figures
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import (
@@ -25,10 +26,10 @@ from tautwire.report.parts.blocks import (
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import counted, listing, number
-from tautwire.results.files import write_text
 from tautwire.signals.filters import SharpLowpass
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
-from tautwire.studies.table import StudyTable
+from tautwire.studies.table import Alike, StudyTable
+from tautwire.text import MARK, marked
 from tautwire.version import __version__
 
 MOST_ROWS = 1000
@@ -104,22 +105,24 @@ def _summary(table: StudyTable) -> Section:
         blocks.append(Callout((text,)))
     if table.mixture():
         blocks.append(Callout((table.mixture(),)))
-    failures = table.failures()
-    if failures:
-        blocks.append(
-            Table(
-                "Cases without a result, equal reasons together.",
-                ("cases", "status", "reason", "numbers"),
-                "rlll",
-                tuple(
-                    (str(len(f.cases)), Verdict(f.status, "failed"), f.reason, _numbers(f.cases))
-                    for f in failures
-                ),
-            )
-        )
+    if table.failures():
+        text = "Cases without a result, equal reasons together."
+        blocks.append(_alike(text, table.failures(), "failed"))
     else:
         blocks.append(Text("No case failed.", "note"))
+    if table.warned():
+        blocks.append(
+            _alike("Warnings of finished cases, equal ones together.", table.warned(), "unverified")
+        )
     return Section("summary", "Summary", tuple(blocks))
+
+
+def _alike(caption: str, found: Sequence[Alike], look: str) -> Table:
+    rows = [
+        (str(len(one.cases)), Verdict(one.status, look), one.reason, _numbers(one.cases))
+        for one in found
+    ]
+    return Table(caption, ("cases", "status", "reason", "numbers"), "rlll", tuple(rows))
 
 
 def _numbers(cases: tuple[int, ...]) -> str:
@@ -131,7 +134,7 @@ def _figures(table: StudyTable) -> Section:
     notes = (
         f"Filter: {SharpLowpass().describe()}, with the cut-off of each curve. The whole record is "
         "filtered, then the analysed section is cut out. The advised cut-off covers a quarter of "
-        "the shortest dropper or support interval."
+        f"the shortest dropper or support interval.{_marks(table)}"
     )
     blocks = [
         chart(name, figure, f"{caption}. {notes}", caption + ".")
@@ -160,13 +163,20 @@ def _rows(table: StudyTable) -> Section:
         f" The first {MOST_ROWS} of {table.status.size}." if table.status.size > MOST_ROWS else ""
     )
     block = Table(
-        f"Cases, filter {_kind(table)}, forces of the section at 0 to 20 Hz.{more}",
+        f"Cases, filter {_kind(table)}, forces of the section at 0 to 20 Hz.{more}{_marks(table)}",
         ("case", *(title for _, title, _ in axes), "status", *(head for head, _ in columns)),
         "r" + "r" * len(axes) + "l" + "r" * len(columns),
         tuple(rows),
     )
     many = len(rows) > 60
     return Section("cases", "Cases", (Details("All cases", (block,)) if many else block,))
+
+
+def _marks(table: StudyTable) -> str:
+    """Say what the mark means, where it stands."""
+    if not any(table.marked.ravel()):
+        return ""
+    return f" {MARK}: mesh and time step do not carry the figure (settings.band)."
 
 
 def _kind(table: StudyTable) -> str:
@@ -196,12 +206,20 @@ def _columns(table: StudyTable) -> Any:
                 at = table.labels[BAND].index(band)
                 yield (
                     f"{own}σ {band.replace('_', '–')} Hz [N]",
-                    lambda i, w=who, b=at: number(float(table["std"].values[(*i, w, kind, b)])),
+                    lambda i, w=who, b=at, c=f"std_{band}": marked(
+                        number(float(table["std"].values[(*i, w, kind, b)])),
+                        is_carried=table.carries(i, c),
+                    ),
                 )
         yield f"{own}σ advised [N]", lambda i, f=force: f(i, "std_advised")
         yield f"{own}max [N]", lambda i, f=force: f(i, "maximum")
         yield f"{own}min [N]", lambda i, f=force: f(i, "minimum")
-        yield f"{own}loss [%]", lambda i, f=single: f(i, "loss_percent", 2)
+        yield (
+            f"{own}loss [%]",
+            lambda i, f=single: marked(
+                f(i, "loss_percent", 2), is_carried=table.carries(i, "losses")
+            ),
+        )
     yield "uplift [mm]", lambda i: number(1e3 * float(table["uplift_max"].values[i]))
 
 

@@ -14,6 +14,7 @@ from tautwire.report.parts.views import RunView, Series, series
 from tautwire.report.parts.words import MISSING, number, quantity
 from tautwire.results.loss_comparison import LossComparison, LossMatch
 from tautwire.results.statistics import ARC_NOTE, ContactLoss, LossClass
+from tautwire.text import marked
 
 
 def loss_section(views: Sequence[RunView]) -> Section:
@@ -48,9 +49,11 @@ def _sentence(item: Series) -> str:
     if not loss.observed:
         return f"{who}: never in the analysed section."
     if not loss.count:
-        return f"{who}: no loss of contact in the analysed section."
+        none = marked("no loss of contact", is_carried=loss.is_carried)
+        return f"{who}: {none} in the analysed section."
     longest = max(loss.events, key=lambda event: event.duration)
     losses = "1 loss" if loss.count == 1 else f"{loss.count} losses"
+    losses = marked(losses, is_carried=loss.is_carried)
     return (
         f"{who}: {losses} of contact, {quantity(loss.percent, '%', 3)} of the time; "
         f"{loss.count_over()} of 5 ms or longer. The longest lasts "
@@ -75,15 +78,22 @@ def _reading(views: Sequence[RunView]) -> str:
 def _class_table(shown: Sequence[Series]) -> Table:
     losses = [statistics_of(item).contact_loss for item in shown]
     every = [loss.classes() for loss in losses]
-    rows: list[tuple[Cell, ...]] = [
-        (_class_name(part), *(str(classes[index].count) for classes in every))
+    figures: list[tuple[str, list[str]]] = [
+        (_class_name(part), [str(classes[index].count) for classes in every])
         for index, part in enumerate(every[0])
     ]
-    rows.append(("all of 5 ms or longer", *(str(loss.count_over()) for loss in losses)))
-    rows.append(("share of time", *(quantity(loss.percent, "%", 3) for loss in losses)))
-    rows.append(
-        ("share, 5 ms or longer", *(quantity(loss.percent_over(), "%", 3) for loss in losses))
+    figures.append(("all of 5 ms or longer", [str(loss.count_over()) for loss in losses]))
+    figures.append(("share of time", [quantity(loss.percent, "%", 3) for loss in losses]))
+    figures.append(
+        ("share, 5 ms or longer", [quantity(loss.percent_over(), "%", 3) for loss in losses])
     )
+    rows: list[tuple[Cell, ...]] = [
+        (name, *(
+            marked(text, is_carried=loss.is_carried)
+            for text, loss in zip(texts, losses, strict=True)
+        ))
+        for name, texts in figures
+    ]  # fmt: skip
     return Table(
         "Losses by duration, a surrogate for measured arcing.",
         ("", *(item.label or item.force.name for item in shown)),
@@ -143,7 +153,7 @@ def _match_table(compared: LossComparison) -> Table:
     rows = [
         (
             match.label,
-            str(match.loss.count),
+            marked(str(match.loss.count), is_carried=match.loss.is_carried),
             str(len(match.missed)),
             str(len(match.spurious)),
             quantity(100.0 * match.median_error, "%", 2),

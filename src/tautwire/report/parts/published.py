@@ -17,6 +17,7 @@ from tautwire.assessment.references import (
 from tautwire.report.parts.blocks import Cell, Table, Text
 from tautwire.report.parts.views import RunView
 from tautwire.report.parts.words import MISSING, SPACE, band, number, quantity, readable
+from tautwire.text import marked
 
 NAMES = {
     "mean": "mean force",
@@ -109,7 +110,10 @@ def _tables(found: Sequence[_Comparison], caption: str) -> list[Table]:
     for name in quantities:
         matches = [next((r for r in one.rows if r.quantity == name), None) for one in found]
         own = next(row for row in matches if row is not None)
-        cells: list[Cell] = [_quantity_name(name), readable(own.value, own.unit)]
+        cells: list[Cell] = [
+            _quantity_name(name),
+            marked(readable(own.value, own.unit), is_carried=own.is_carried),
+        ]
         for row in matches:
             cells += [MISSING, ""] if row is None else [_published(row), _outcome(row)]
         rows.append(tuple(cells))

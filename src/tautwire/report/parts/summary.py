@@ -31,7 +31,8 @@ from tautwire.report.parts.words import (
     readable,
     speed,
 )
-from tautwire.results.statistics import PantographStatistics
+from tautwire.results.statistics import FilteredStatistics, PantographStatistics
+from tautwire.text import marked
 
 BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
 
@@ -112,11 +113,12 @@ def _force_sentence(entry: PantographStatistics) -> str:
         f"({band(f'0_{values.cutoff:g}')}, {_short(values.kind)} filter)"
     )
     if not loss.count:
-        return f"{text}, and never loses contact"
-    return (
-        f"{text}; it loses contact {counted(loss.count, 'time')}, at most for "
+        return f"{text}, and {marked('never loses contact', is_carried=loss.is_carried)}"
+    losses = (
+        f"it loses contact {counted(loss.count, 'time')}, at most for "
         f"{quantity(1e3 * loss.longest, 'ms')}"
     )
+    return f"{text}; {marked(losses, is_carried=loss.is_carried)}"
 
 
 def _short(kind: str) -> str:
@@ -131,14 +133,16 @@ def _keys(view: RunView) -> Keys:
     return Keys(
         (
             Key(number(values.mean), "N", "mean contact force"),
-            Key(number(values.standard_deviation), "N", f"standard deviation σ, {low}"),
-            Key(number(share), "%", "σ as a share of the mean"),
-            Key(number(values.maximum), "N", f"largest force, {low}"),
-            Key(number(values.minimum), "N", f"smallest force, {low}"),
+            Key(_headline_cell(values, values.standard_deviation), "N",
+                f"standard deviation σ, {low}"),
+            Key(_headline_cell(values, share), "%", "σ as a share of the mean"),
+            Key(_headline_cell(values, values.maximum), "N", f"largest force, {low}"),
+            Key(_headline_cell(values, values.minimum), "N", f"smallest force, {low}"),
             Key(number(1e3 * view.statistics.uplift.maximum), "mm", "largest uplift at a support"),
-            Key(number(loss.percent, 2), "%", f"contact loss, {counted(loss.count, 'event')}"),
+            Key(_if_seen(entry, number(loss.percent, 2)), "%",
+                f"contact loss, {counted(loss.count, 'event')}"),
         )
-    )
+    )  # fmt: skip
 
 
 def _force_table(shown: Sequence[Series]) -> Table:
@@ -147,7 +151,10 @@ def _force_table(shown: Sequence[Series]) -> Table:
     columns = [(item, kind, e.filtered[kind]) for item, e in entries for kind in e.filtered]
     rows: list[tuple[Cell, ...]] = [("mean", *(number(c.mean, 2) for _, _, c in columns))]
     for name in BANDS:
-        cells = [number(c.standard_deviations.get(name), 2) for _, _, c in columns]
+        cells = [
+            marked(number(c.standard_deviations.get(name), 2), is_carried=c.carries(name))
+            for _, _, c in columns
+        ]
         rows.append((f"σ, {band(name)}", *cells))
     for title, name in (
         ("largest", "maximum"),
@@ -155,7 +162,7 @@ def _force_table(shown: Sequence[Series]) -> Table:
         ("mean + 3 σ", "statistical_maximum"),
         ("mean − 3 σ", "statistical_minimum"),
     ):
-        rows.append((title, *(number(getattr(c, name), 2) for _, _, c in columns)))
+        rows.append((title, *(_headline_cell(c, getattr(c, name), 2) for _, _, c in columns)))
     groups = [(item.label, len(entry.filtered)) for item, entry in entries if item.label]
     return Table(
         caption="Contact force over the analysed section [N]",
@@ -185,11 +192,12 @@ def _passage_table(shown: Sequence[Series]) -> Table:
         ("uplift force", *(quantity(e.uplift_force, "N", 2) for _, e in entries)),
         ("tuned to a mean of", *(t if t != number(None) else "not tuned" for t in target)),
         ("contact losses", *(_if_seen(e, str(e.contact_loss.count)) for _, e in entries)),
-        ("share of time", *(quantity(e.contact_loss.percent, "%", 3) for _, e in entries)),
+        ("share of time", *(
+            _if_seen(e, quantity(e.contact_loss.percent, "%", 3)) for _, e in entries)),
         ("longest loss", *(
             _if_seen(e, quantity(1e3 * e.contact_loss.longest, "ms", 2)) for _, e in entries)),
         ("share, 5 ms or more", *(
-            quantity(e.contact_loss.percent_over(), "%", 3) for _, e in entries)),
+            _if_seen(e, quantity(e.contact_loss.percent_over(), "%", 3)) for _, e in entries)),
         ("largest uplift at a support", *(
             quantity(1e3 * i.view.statistics.uplift.maximum, "mm") for i, _ in entries)),
         ("range of contact height", *(
@@ -205,8 +213,14 @@ def _passage_table(shown: Sequence[Series]) -> Table:
 
 
 def _if_seen(entry: PantographStatistics, text: str) -> str:
-    """Return the text, or a dash for a pantograph that never was in the section."""
-    return text if entry.contact_loss.observed > 0.0 else MISSING
+    """Return the figure of losses, or a dash for a pantograph that never was in the section."""
+    loss = entry.contact_loss
+    return marked(text, is_carried=loss.is_carried) if loss.observed > 0.0 else MISSING
+
+
+def _headline_cell(part: FilteredStatistics, value: float, digits: int = 1) -> str:
+    """Return a figure of the force up to the headline cut-off."""
+    return marked(number(value, digits), is_carried=part.carries(f"0_{part.cutoff:g}"))
 
 
 def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
@@ -252,7 +266,7 @@ def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> 
             rows.append(
                 (
                     ", ".join([check.name, *who]),
-                    readable(check.value, check.unit),
+                    marked(readable(check.value, check.unit), is_carried=check.is_carried),
                     f"{sign} {readable(check.limit, check.unit)}",
                     _standard(check),
                     check.confidence,

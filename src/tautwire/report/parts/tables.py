@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from tautwire.files import write_text
 from tautwire.report.parts.views import WIDE_CUTOFF, filtered_or_none, headline_filter
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
+from tautwire.results.statistics import LOSS_BAND
 from tautwire.text import csv_text
 
 
@@ -73,13 +74,14 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
     str
         Columns: time, position, unfiltered force, and the force low-passed at the headline
         cut-off and at 200 Hz, where the record is sampled fast enough; the heading names filter
-        and cut-off.
+        and cut-off. A last column tells what mesh and step carry where that is less.
 
     Raises
     ------
     InputError
         When no pantograph has that name.
     """
+    from tautwire.analyses.force.contact_loss import carried_band
     from tautwire.analyses.force.statistics import uniform_force
 
     force = uniform_force(run, pantograph or run.pantographs[0].name)
@@ -96,6 +98,10 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
             if values is not None:
                 head.append(f"force, {lowpass.kind} low-pass {cutoff:g} Hz [N]")
                 columns.append(_texts(values, 4))
+    carried = carried_band(run)
+    if carried * (1.0 + 1e-6) < LOSS_BAND:
+        head.append("mesh and step carry [Hz]")
+        columns.append([f"{carried:.0f}"] * force.time.size)
     return csv_text(head, zip(*columns, strict=True))
 
 

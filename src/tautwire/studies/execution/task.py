@@ -163,9 +163,19 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "steps": run.counters.get("steps"),
         "tuning_passes": run.counters.get("tuning_passes", 1),
         "backend": str(run.counters.get("backend", "")),
+        "warnings": "; ".join(run.warnings),
+        "carried_band": statistics.pantographs[0].headline.carried,
+        "marked": ", ".join(_marked(statistics.pantographs[0])),
         "pantographs": pantographs,
     }
     return values, run_image(run) if keep_run else None
+
+
+def _marked(entry: Any) -> list[str]:
+    """Return the columns whose figures mesh and time step do not carry."""
+    part = entry.filtered["sharp"]
+    bands = [f"std_{band}" for band in part.standard_deviations if not part.carries(band)]
+    return bands + ([] if entry.contact_loss.is_carried else ["losses"])
 
 
 @cache
