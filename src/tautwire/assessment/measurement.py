@@ -395,7 +395,8 @@ def _percentiles(
 def _spans(run: Run, position: Array, forces: Sequence[Array]) -> tuple[SpanFigures, ...]:
     """Return both forces span by span, over what was measured of each."""
     line, supports = run.case.line, run.equilibrium.support_x
-    first, last = (int(n) for n in np.searchsorted(supports, position[[0, -1]], side="right"))
+    first = int(np.searchsorted(supports, position[0], side="right"))
+    last = int(np.searchsorted(supports, position[-1], side="left"))
     numbers = range(max(first, 1), min(last, len(supports) - 1) + 1)
     edges = [float(supports[number - 1]) for number in (*numbers, numbers.stop)]
     gaps = np.isnan(forces[1][0])

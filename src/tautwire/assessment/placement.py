@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 _LESS_THAN_HALF = 0.45
 """Share of the shortest span that is searched: from half a span on equal spans are mistaken."""
+_MOST_MISSING = 0.3
+"""Share of the common part that may be missing: windows with more than half missing do not count,
+and gaps come in heaps."""
 _SHORTEST = 30.0
 """Shortest common part that can be aligned [m]: half a span with its droppers."""
 
@@ -85,7 +88,10 @@ def place_on_line(
         return Placement("as recorded", "positions are taken as recorded", np.nan, place, rows)
     found = _aligned(place, signal.force, computed, reach)
     if found is None:
-        text = "too short a common part to be aligned; positions are taken as recorded"
+        text = (
+            "the common part is too short, or too much of it is missing, to be aligned; positions "
+            "are taken as recorded"
+        )
         return Placement("as recorded", text, np.nan, place, rows)
     if found.verdict != "aligned":
         text = f"not aligned, {found.verdict}: {found.text}; positions are taken as recorded"
@@ -140,7 +146,7 @@ def _aligned(
         return None
     measured = np.interp(grid, place[known], force[known])
     measured[np.interp(grid, place, (~known).astype(float)) > 0.0] = np.nan
-    if np.isnan(measured).all():
+    if np.isnan(measured).mean() > _MOST_MISSING:
         return None
     even = np.arange(float(line[0]), float(line[-1]), SPACING)
     return align(grid, measured, even, np.interp(even, line, pattern), search=reach)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -39,6 +40,8 @@ PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
 """Shares of the way [%] below a force: quartiles, and tails that some hundred metres still fill."""
 SPACING = 0.25
 """Even distance of the processed force [m], as recorders usually write it."""
+_FEWEST_LEFT = 4
+"""Samples that a spline needs."""
 _NOTHING_LEFT = (
     "{}: no sample of the force is left after gaps, faults and their margins; see which sensor is "
     "at fault, or leave its column aside in the mapping file"
@@ -241,8 +244,8 @@ def processed_force(
         steps.append(EvenDistance(max(SPACING, recording.spacing)))
     for step in steps:
         signal = step.apply(signal)
-    if np.isnan(signal.force).all():
-        raise InputError(_NOTHING_LEFT.format(recording.label))
+        if (~np.isnan(signal.force)).sum() < _FEWEST_LEFT:
+            raise InputError(_NOTHING_LEFT.format(recording.label))
     return signal
 
 
@@ -274,7 +277,7 @@ def unfiltered_force(
         signal = process(clean, steps, as_recorded=as_recorded)
     except ValueError as error:
         raise InputError(f"{recording.label}: {error}") from None
-    if np.isnan(signal.force).all():
+    if (~np.isnan(signal.force)).sum() < _FEWEST_LEFT:
         raise InputError(_NOTHING_LEFT.format(recording.label))
     return signal
 
@@ -293,20 +296,19 @@ def force_and_bands(
     -------
     signal : Processed
     bands : (n_band, n) N
-        One row per band of :data:`BANDS`; NaN beyond what the samples hold. The bands of a force
-        that is filtered already are those of the sharp filter.
+        One row per band of :data:`BANDS`; NaN beyond what the samples hold, or where the margins
+        of gaps leave nothing. The bands of a force that is filtered already are those of the sharp
+        filter.
     """
     signal = processed_force(recording, faults, treatment, notes)
     lowpass = treatment.lowpass or SharpLowpass()
     up_to = {0.0: np.zeros(len(signal.force))}
     for cutoff in sorted({high for _, high in BANDS}):
-        held = cutoff <= recording.highest_frequency
-        cut = replace(treatment, lowpass=lowpass.with_cutoff(cutoff))
-        up_to[cutoff] = (
-            processed_force(recording, faults, cut, []).force
-            if held
-            else np.full(len(signal.force), np.nan)
-        )
+        up_to[cutoff] = np.full(len(signal.force), np.nan)
+        if cutoff <= recording.highest_frequency:
+            cut = replace(treatment, lowpass=lowpass.with_cutoff(cutoff))
+            with suppress(InputError):  # nothing is left beside the gaps
+                up_to[cutoff] = processed_force(recording, faults, cut, []).force
     return signal, np.array([up_to[high] - up_to[low] for low, high in BANDS])
 
 

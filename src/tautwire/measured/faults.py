@@ -139,6 +139,8 @@ def without_faulty_samples(recording: Recording, faults: tuple[Fault, ...]) -> R
 
 
 def _sensor_name(recording: Recording, row: int) -> str:
+    if len(recording.forces) == 1:
+        return "contact force"
     strip = int(recording.force_strips[row])
     number = int(np.flatnonzero(recording.sensors_of(strip) == row)[0]) + 1
     return f"force sensor {number} of strip {strip}"

@@ -6,24 +6,24 @@ import math
 
 from tautwire.assessment.coverage import Coverage
 from tautwire.assessment.measurement import MeasurementComparison, MeasurementRow
-from tautwire.report.parts.words import MISSING, band, counted, number, quantity, readable, speed
+from tautwire.report.parts.words import MISSING, counted, number, quantity, readable, speed
 
 _NAMES = {
     "mean": "mean",
     "standard_deviation": "σ 0–20 Hz",
-    "maximum": "largest",
-    "minimum": "smallest",
-    "uplift": "uplift at supports",
-    "contact_height_range": "range of contact height",
+    "maximum": "maximum",
+    "minimum": "minimum",
+    "uplift": "uplift",
+    "contact_height_range": "height range",
 }
 HEADS = ("", "simulated", "measured", "difference", "allowed", "verdict")
 """Heading of the table of numbers."""
 
 
 def name_of(quantity: str) -> str:
-    """Return a compared quantity as it is read."""
+    """Return a compared quantity as it is read; bands are in Hz."""
     if quantity.startswith("std_"):
-        return f"σ {band(quantity[4:])}"
+        return f"σ {quantity[4:].replace('_', '–')} Hz"
     return _NAMES.get(quantity, quantity)
 
 
