@@ -233,7 +233,7 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
     along = mesh.frames.axes[:, 0]
     for strand in mesh.strands:
         end = strand.nodes[-1]
-        load[end, :3] += strand.run.wire.tension * along[end]
+        load[end, :3] += strand.run.wire.tension * strand.leads[1] * along[end]
     for joint in line.joints:
         run = line.by_name[joint.other.run]
         if joint.other.s == run.end.s:

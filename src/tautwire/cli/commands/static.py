@@ -23,6 +23,7 @@ from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
+from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.storage import save_equilibrium
@@ -74,7 +75,10 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
             name = backend(case.settings.backend)
             with interrupts.patient():
-                answer.document.update(static_document(case, shape, elasticity, name, []))
+                odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
+                answer.advise(odd)
+                warnings = [str(item) for item in odd]
+                answer.document.update(static_document(case, shape, elasticity, name, warnings))
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
                 if files is not None:
