@@ -88,4 +88,5 @@ def test_included_variant_loads(root: Path, tmp_path: Path) -> None:
     )
     wires = tautwire.load_case(tmp_path / "variant.yaml").wires
     assert wires.contact.tension == 27e3
+    assert wires.messenger is not None
     assert wires.messenger.tension == 16e3

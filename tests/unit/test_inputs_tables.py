@@ -10,6 +10,7 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.reading.grouping import SHOWN
 from tautwire.specs import Case
+from tautwire.specs.line.dropper import Droppers
 
 SUPPORTS = """\
 # as built
@@ -65,6 +66,7 @@ def test_tables_describe_a_line(tmp_path: Path) -> None:
     assert case.supports.encumbrances(4) == (1.2, 1.25, 1.2, 1.2)
     assert case.supports.contact_staggers(4) == (0.2, -0.2, 0.15, 0.2)
     assert case.supports.messenger_staggers(4) == (0.2, -0.2, 0.15, 0.2)
+    assert isinstance(case.droppers, Droppers)
     assert case.droppers.positions_by_span(3) == ((5.0, 25.0, 45.0), (5.5, 49.5), (30.0,))
     assert case.droppers.presag_by_span(3) == ((0.0, 0.0125, 0.0), (0.0, 0.0), (-0.005,))
 
@@ -88,6 +90,7 @@ def test_lengths_and_presag_in_one_table(tmp_path: Path) -> None:
     table = "span,dropper,position,presag,length\n1,1,20,0.01,1.1\n"
     text = "line: {spans: 1}\ndroppers: {mode: length}\n"
     case = load_with(tmp_path, text, droppers=table)
+    assert isinstance(case.droppers, Droppers)
     assert case.droppers.lengths_by_span(1) == ((1.1,),)
     assert case.droppers.presag_by_span(1) == ((0.01,),)
 
