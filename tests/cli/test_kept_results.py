@@ -167,13 +167,13 @@ def test_stopped_static_keeps_its_shape(invoke: Invoke, monkeypatch: pytest.Monk
     """SIGTERM during the elasticity ends ``static`` with 143; shape and droppers are kept."""
     from tautwire.analyses.road import elasticity
 
-    computed = elasticity._flexibility
+    computed = elasticity._flexibilities
 
-    def interrupted(*arguments: object) -> float:
+    def interrupted(*arguments: object) -> list[float]:
         os.kill(os.getpid(), signal.SIGTERM)
         return computed(*arguments)  # pyright: ignore[reportArgumentType]
 
-    monkeypatch.setattr(elasticity, "_flexibility", interrupted)
+    monkeypatch.setattr(elasticity, "_flexibilities", interrupted)
     outcome = invoke(*STATIC, "--out", "out", "--json")
     assert outcome.code == 143
     assert outcome.document["status"] == "partial"
