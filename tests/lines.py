@@ -24,12 +24,26 @@ from tautwire.numerics.statics.loaded_line import LoadedLine
 from tautwire.numerics.statics.window import Push, Pushed
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
+from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.wire import Wire
 
 Array = NDArray[Any]
 
 NOTHING = np.empty(0, dtype=np.int64)
 CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 """Tension [N], mass [kg/m], EA [N], EI [N m2] of the contact wire of AC simple."""
+
+
+def droppers_of(case: Case) -> Droppers:
+    """Return the droppers of a case with one set of them."""
+    assert isinstance(case.droppers, Droppers)
+    return case.droppers
+
+
+def messenger_of(case: Case) -> Wire:
+    """Return the messenger wire of a case that has one."""
+    assert case.wires.messenger is not None
+    return case.wires.messenger
 
 
 def stretch_under(tension: float, axial_stiffness: float) -> float:

@@ -56,7 +56,8 @@ _TEXT = {
     ),
     Status.OFF_THE_LINE: (
         "A pantograph left the modelled wire.",
-        "Lengthen the line (line.spans) or move the start (settings.start).",
+        "Lengthen the line (line.spans) or move the start (settings.start). Where it left "
+        "sideways, give the contact wire another stagger (supports.contact_stagger).",
     ),
     Status.TOO_MANY_LOSSES: (
         "Contact is lost so often that following every loss is pointless.",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import resource
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 
 from tautwire.cli.folders import default_folder
+from tautwire.files import FolderLock
 from tautwire.results.storage import load_elasticity, load_equilibrium, load_run
 
 from .conftest import SHORT, Invoke
@@ -71,13 +71,11 @@ def test_folder_in_use_is_refused(invoke: Invoke) -> None:
     killed process left half-written goes when the folder is free."""
     Path("out").mkdir()
     Path("out/.run.nc.123.part").write_text("half")
-    handle = os.open("out", os.O_RDONLY)
-    fcntl.flock(handle, fcntl.LOCK_EX)
-    refused = invoke(*STATIC, "--out", "out")
-    assert refused.code == 2
-    assert "--out out: another command is computing for this folder" in refused.err
-    assert _names("out") == {".run.nc.123.part"}
-    os.close(handle)
+    with FolderLock(Path("out")):
+        refused = invoke(*STATIC, "--out", "out")
+        assert refused.code == 2
+        assert "out: another command is computing for this folder" in refused.err
+        assert _names("out") == {".run.nc.123.part", ".lock"}
     assert invoke(*STATIC, "--out", "out").code == 0
     assert ".run.nc.123.part" not in _names("out")
 
@@ -169,7 +167,7 @@ def test_stopped_static_keeps_its_shape(invoke: Invoke, monkeypatch: pytest.Monk
 
     computed = elasticity._flexibilities
 
-    def interrupted(*arguments: object) -> list[float]:
+    def interrupted(*arguments: object) -> object:
         os.kill(os.getpid(), signal.SIGTERM)
         return computed(*arguments)  # pyright: ignore[reportArgumentType]
 

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.files import FolderLock
 from tautwire.studies.execution.executor import LocalWorkers, StudyError
 from tautwire.studies.run import Options, StudyProgress, run_study
-from tautwire.studies.store import FolderLock
 
 from .conftest import Place, Start, seeds
 
@@ -178,7 +178,7 @@ def test_results_are_not_overwritten_by_accident(place: Place) -> None:
 
 def test_two_studies_cannot_share_a_folder(place: Place) -> None:
     """While one study computes in a folder, another is refused."""
-    with FolderLock(place.folder), pytest.raises(InputError, match="another study is computing"):
+    with FolderLock(place.folder), pytest.raises(InputError, match="another command is computing"):
         run_study(seeds(2), place.folder, executor=LocalWorkers(1, place.folder), options=NAP)
 
 

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.files import FolderLock
 from tautwire.studies.execution.executor import LocalWorkers
 from tautwire.studies.plan import Shard, plan_study
 from tautwire.studies.run import Options, run_study
-from tautwire.studies.store import FolderLock
 
 from .conftest import SMALL, Place, seeds, values_on_disk
 
@@ -55,7 +55,7 @@ def test_malformed_parts(text: str) -> None:
 
 def test_parts_share_a_folder_and_whole_studies_do_not(tmp_path: Path) -> None:
     """Two parts compute side by side; the same part twice, or the whole beside one, is refused."""
-    refused = pytest.raises(InputError, match="another study is computing")
+    refused = pytest.raises(InputError, match="another command is computing")
     with FolderLock(tmp_path, "1/2"), FolderLock(tmp_path, "2/2"):
         with refused, FolderLock(tmp_path, "1/2"):
             pass

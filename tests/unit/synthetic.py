@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.numerics.track import Track
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import PantographRecord, Run, Snapshots
 from tautwire.specs.case import Case
@@ -72,11 +73,11 @@ def make_equilibrium(case: Case) -> Equilibrium:
     """Return a static state of the right shapes: parabolas, sags and forces as one expects."""
     spans, length = case.line.spans, 55.0
     marks = np.concatenate([[0.0], DROPPERS])
-    starts = length * np.arange(spans)
+    starts = length * np.arange(spans, dtype=np.float64)
     station = np.append((starts[:, None] + marks).ravel(), spans * length)
     x = np.unique(np.concatenate([station, 0.5 * (station[1:] + station[:-1])]))
-    supports = length * np.arange(spans + 1)
-    stagger = 0.2 * (-1.0) ** np.arange(spans + 1)
+    supports = length * np.arange(spans + 1, dtype=np.float64)
+    stagger = 0.2 * np.array([(-1.0) ** n for n in range(spans + 1)])
     dropper_x = (starts[:, None] + np.array(DROPPERS)).ravel()
     drops = np.append(np.tile([0.0, *PRESAG], spans), 0.0)
     sag = np.interp(x, station, drops)
@@ -91,6 +92,7 @@ def make_equilibrium(case: Case) -> Equilibrium:
     arms = np.arange(2, spans + 1)
     side = np.sign(stagger[1:-1])
     return Equilibrium(
+        track=Track.straight(),
         position=position.ravel(),
         cable_lengths=np.tile(np.diff(x), 2),
         node_s=np.repeat(x, 2),

@@ -285,7 +285,7 @@ BAD_VALUES = {
             "supports.wire-height: unknown key; did you mean 'contact_height'?",
             "supports.stagger: unknown key; did you mean 'contact_stagger'?",
             "line.Systemhöhe: unknown key; it is given as supports.encumbrance",
-            "supports.grade: not modelled yet: gradient of the track",
+            "supports.grade: unknown key; it is given as track.profile",
             "line.Festpunkt: unknown key; it is given as tension_lengths",
         ],
     ),
@@ -297,7 +297,7 @@ BAD_VALUES = {
             "settings.count: unknown key; known here are",
         ],
     ),
-    "curve": ("line: {radius: 3000 m}", ["line.radius: not modelled yet: curved track; see"]),
+    "curve": ("line: {radius: 3000 m}", ["line.radius: unknown key; it is given as track.radius"]),
     "overlap": ("line: {overlap: 3}", ["line.overlap: unknown key; it is given as overlaps"]),
     "source of nothing": (
         "sources: [{path: wires.contact.tensoin, source: a book, confidence: one source}]",

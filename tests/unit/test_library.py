@@ -12,6 +12,8 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.paths import parse_path
 
+from ..lines import droppers_of, messenger_of
+
 CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
@@ -34,15 +36,15 @@ def test_what_the_library_holds() -> None:
 def test_reference_line_2015() -> None:
     """AC simple has the inputs of the world benchmark 2015 (two public codes of the model)."""
     case = load_case("ac-simple")
-    contact, messenger = case.wires.contact, case.wires.messenger
+    contact, messenger = case.wires.contact, messenger_of(case)
     assert (case.line.spans, case.line.span_lengths()[0]) == (17, 55.0)
     assert (contact.tension, contact.mass, contact.bending_stiffness) == (22e3, 1.35, 195.0)
     assert (messenger.tension, messenger.mass, messenger.bending_stiffness) == (16e3, 1.08, 131.7)
     assert (contact.axial_stiffness, messenger.axial_stiffness) == (15e6, 11.64e6)
-    assert case.droppers.positions_by_span(1)[0][:5] == (4.5, 10.25, 16.0, 21.75, 27.5)
-    assert case.droppers.presag_by_span(1)[0][:5] == (0.0, 0.024, 0.041, 0.052, 0.055)
-    assert (case.droppers.mass, case.droppers.clamp_contact) == (0.117, 0.165)
-    assert (case.droppers.clamp_messenger, case.droppers.stiffness.spring) == (0.195, 2e5)
+    assert droppers_of(case).positions_by_span(1)[0][:5] == (4.5, 10.25, 16.0, 21.75, 27.5)
+    assert droppers_of(case).presag_by_span(1)[0][:5] == (0.0, 0.024, 0.041, 0.052, 0.055)
+    assert (droppers_of(case).mass, droppers_of(case).clamp_contact) == (0.117, 0.165)
+    assert (droppers_of(case).clamp_messenger, droppers_of(case).stiffness.spring) == (0.195, 2e5)
     assert (case.supports.arm.length, case.supports.arm.mass) == (1.22, 0.73)
     assert (case.supports.closure, case.supports.arm.motion) == ("arm", "swinging")
     assert case.supports.arm.angle == pytest.approx(math.radians(10.0))
@@ -58,8 +60,8 @@ def test_reference_line_2002() -> None:
     assert (case.line.spans, case.line.span_lengths()[0]) == (14, 60.0)
     assert case.resolved_section() == (5, 6)
     assert (case.wires.contact.tension, case.wires.contact.mass) == (20e3, 1.35)
-    assert (case.wires.messenger.tension, case.wires.messenger.mass) == (16e3, 1.07)
-    assert case.droppers.positions_by_span(1)[0] == (5, 10.5, 17, 23.5, 30, 36.5, 43, 49.5, 55)
+    assert (messenger_of(case).tension, messenger_of(case).mass) == (16e3, 1.07)
+    assert droppers_of(case).positions_by_span(1)[0] == (5, 10.5, 17, 23.5, 30, 36.5, 43, 49.5, 55)
     assert case.supports.spring is not None
     assert (case.supports.spring.stiffness, case.supports.spring.mass) == (300.0, 0.0)
     assert case.uplift_forces() == (120.0,)
@@ -191,7 +193,7 @@ def test_copy_does_not_overwrite(tmp_path: Path) -> None:
             "the library holds nothing named 'ac-simpel'; it holds: ac-simple",
         ),
         ("ac-simple", "my.txt", "the copy is YAML; choose a name that ends in .yaml"),
-        ("ac-simple", "no/folder/my.yaml", "cannot be written (No such file or directory)"),
+        ("ac-simple", "no/folder/my.yaml", "no/folder does not exist; create it"),
         ("ac-simple", "folder.yaml", "exists already"),
     ],
 )

@@ -14,13 +14,13 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
-from tautwire.specs.case import Case
-from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.vocabulary import Meaning, folded, meaning_of, words_for
 from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
 from tautwire.tables.sheets import read_sheets
 from tautwire.tables.values import CellError, number_of
+
+from ..lines import droppers_of
 
 SPANS = (60.0, 58.0, 55.0, 61.0, 50.0, 60.0, 60.0, 52.0)
 SUPPORTS: list[list[Any]] = [
@@ -49,11 +49,6 @@ def workbook(path: Path, **sheets: list[list[Any]]) -> Path:
             sheet.append(row)
     book.save(path)
     return path
-
-
-def droppers_of(case: Case) -> Droppers:
-    assert isinstance(case.droppers, Droppers)
-    return case.droppers
 
 
 def table(path: Path, text: str, encoding: str = "utf-8") -> Path:

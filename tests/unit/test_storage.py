@@ -16,13 +16,13 @@ import pytest
 
 from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import InputError
+from tautwire.files import replacing, write_text
 from tautwire.model.build import build
 from tautwire.model.equations import equations
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.numerics.network.system import internal_force
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
-from tautwire.results.files import replacing, write_text
 from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.results.storage import (
     load_elasticity,
@@ -98,7 +98,7 @@ def test_equilibrium_is_read_from_a_run(run: Run, stored: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "entries", "elsewhere"),
     [
-        (Equilibrium, layout.EQUILIBRIUM, set()),
+        (Equilibrium, layout.EQUILIBRIUM, {"track", "operated"}),
         (Elasticity, layout.ELASTICITY, set()),
         (Snapshots, layout.SNAPSHOTS, set()),
         (PantographRecord, (*layout.PANTOGRAPH, *layout.PANTOGRAPH_SCALARS), {"name"}),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import IO
 
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.files import FolderLock
 from tautwire.studies.execution.scheduler import parse_address
-from tautwire.studies.store import FolderLock
 
 
 @pytest.mark.parametrize(
@@ -36,17 +37,37 @@ def test_malformed_addresses(text: str) -> None:
         parse_address(text)
 
 
-def test_lock_leaves_an_empty_folder_as_it_was(tmp_path: Path) -> None:
-    """A lock goes with its holder where nothing was written, and stays beside results."""
+def test_lock_goes_with_its_holder(tmp_path: Path) -> None:
+    """A lock leaves no file behind, alone or shared by parts, whoever ends last."""
     with FolderLock(tmp_path):
         assert list(tmp_path.iterdir())
     assert not list(tmp_path.iterdir())
-    with FolderLock(tmp_path):
-        (tmp_path / "rows").mkdir()
-    assert len(list(tmp_path.iterdir())) == 2
+    first, second = FolderLock(tmp_path, "1/2"), FolderLock(tmp_path, "2/2")
+    with first:
+        second.__enter__()
+    assert [path.name for path in sorted(tmp_path.iterdir())] == [".lock", ".lock-2-of-2"]
+    second.__exit__()
+    assert not list(tmp_path.iterdir())
     with (
         FolderLock(tmp_path),
-        pytest.raises(InputError, match="another study is computing"),
+        pytest.raises(InputError, match="another command is computing"),
         FolderLock(tmp_path),
     ):
         pass
+
+
+def test_lock_that_was_just_removed_is_taken_anew(tmp_path: Path) -> None:
+    """A file of the lock that its last holder removes between opening and locking is no lock."""
+    lock = FolderLock(tmp_path)
+    opened = lock._opened
+
+    def late(path: Path) -> IO[bytes]:
+        file = opened(path)
+        if not hasattr(lock, "was_removed"):
+            path.unlink()
+            lock.was_removed = True  # type: ignore[attr-defined]
+        return file
+
+    lock._opened = late  # type: ignore[method-assign]
+    with lock:
+        assert [path.name for path in tmp_path.iterdir()] == [".lock"]

@@ -39,7 +39,7 @@ def made_row(coordinates: dict[str, Any], pantographs: int = 1) -> dict[str, Any
     """Return a row as a computed case has it."""
     speed = float(coordinates.get("speed", 80.0))
     stiffness = float(coordinates.get("contact_stiffness", 2e5))
-    part = {
+    part: dict[str, float | None] = {
         "mean": 169.0,
         "maximum": 300.0,
         "minimum": 60.0,
@@ -118,10 +118,26 @@ def test_mixed_kernels_are_named(tmp_path: Path) -> None:
         row = made_row(plan.coordinates(point), 1)
         row["values"]["backend"] = backend
         store.save(point.key, row)
-        told = collect(plan, store).mixture()
-        assert bool(told) == (backend == "native (AVX-512)")
+        assert bool(collect(plan, store).mixture()) == (backend == "native (AVX-512)")
+    told = collect(plan, store).mixture()
     assert "native (AVX-512): 1 cases, native (AVX2): 1 cases" in told
     assert collect(plan, store).backend.tolist() == ["native (AVX2)", "native (AVX-512)", ""]
+
+
+def test_warnings_of_cases_are_named(tmp_path: Path) -> None:
+    """What is outside the model stands in the case's row, in the CSV file and on the page."""
+    plan = make_plan({"scenario.speed": ["250 km/h", "260 km/h", "270 km/h"]})
+    store = Store(tmp_path)
+    for point, gap in zip(plan.points, (0.61, 0.72, 0.0), strict=True):
+        row = made_row(plan.coordinates(point), 1)
+        row["values"]["warnings"] = f"outside the model: {gap} m below the wire" if gap else ""
+        store.save(point.key, row)
+    found = collect(plan, store)
+    assert [warned.cases for warned in found.warned()] == [(1, 2)]
+    assert found.warnings.tolist()[2] == ""
+    assert "outside the model: 0.72 m below the wire" in found.to_csv()
+    write_study_report(found, tmp_path / "study.html")
+    assert "0.61 m below the wire" in (tmp_path / "study.html").read_text(encoding="utf-8")
 
 
 def test_unknown_quantity_is_refused(table: StudyTable) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from tautwire.analyses.road.validity import judged, outside_the_model
 from tautwire.results.run import Run
+from tautwire.studies.execution.task import Job, perform
 
 from .synthetic import make_case, make_run
 
@@ -72,3 +73,11 @@ def test_tuning_below_its_tolerance_is_named(run: Run) -> None:
     told = judged(dataclasses.replace(run, case=case)).warnings[-1]
     assert told.startswith("outside the model: the mean force of 0.05 N is met to 0.1 N")
     assert "200 %" in told
+
+
+def test_rows_of_a_study_carry_the_warnings() -> None:
+    """A case of a study whose head goes through the wire is done, and its row says so."""
+    case = make_case(spans=3, settings={"contact_stiffness": 100.0, "time_step": 2e-3})
+    row = perform(Job("key", case.to_dict())).row
+    assert row["status"] == "done", row["reason"]
+    assert "it has gone through it" in row["values"]["warnings"]

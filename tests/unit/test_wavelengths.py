@@ -92,9 +92,9 @@ def test_missed_deviation() -> None:
 def test_even_points_lie_on_the_wire(shape: Equilibrium) -> None:
     """Points are even along the track and interpolate positions exactly at the stations."""
     points = even_points(shape)
-    assert np.diff(points.x) == pytest.approx(points.spacing)
-    assert points.values(shape.position, 0) == pytest.approx(points.x, abs=1e-9)
-    heights = np.interp(shape.contact.s, points.x, points.values(shape.position))
+    assert np.diff(points.s) == pytest.approx(points.spacing)
+    assert points.values(shape.position, 0) == pytest.approx(points.s, abs=1e-9)
+    heights = np.interp(shape.contact.s, points.s, points.heights(shape.position))
     assert heights == pytest.approx(shape.contact_position[:, 2], abs=2e-3)
 
 

@@ -27,10 +27,9 @@ from tautwire.numerics.motion.stepper import (
     reachable_tolerance,
 )
 from tautwire.numerics.newmark import HHT, Newmark
-from tautwire.specs.line.dropper import Droppers
 from tautwire.status import Status
 
-from ..lines import ac_simple, entering, moved, straight_wire
+from ..lines import ac_simple, droppers_of, entering, moved, straight_wire
 
 pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
 
@@ -109,9 +108,7 @@ def test_same_passage(name: str) -> None:
     np.testing.assert_allclose(native.contact_force, reference.contact_force, rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(native.gap, reference.gap, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(native.stages, reference.stages, rtol=0.0, atol=1e-10)
-    droppers = ac_simple(**case).droppers
-    assert isinstance(droppers, Droppers)
-    stiffness = droppers.stiffness.of_length(1.0)
+    stiffness = droppers_of(ac_simple(**case)).stiffness.of_length(1.0)
     forces = native.dropper_force, reference.dropper_force
     np.testing.assert_allclose(*forces, rtol=0.0, atol=2e-10 * stiffness)
     np.testing.assert_allclose(native.observed, reference.observed, rtol=0.0, atol=1e-10)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -12,8 +11,9 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
-from tautwire.errors import InputError, cure_of
-from tautwire.text import as_name, shortened
+from tautwire.errors import InputError
+from tautwire.files import write_text
+from tautwire.text import as_name
 
 Kind = Literal["case", "pantograph"]
 _FOLDERS: tuple[tuple[Kind, str, str], ...] = (
@@ -98,7 +98,7 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
     if os.path.lexists(target) and (target.is_dir() or not force):
         raise InputError(f"{target}: exists already; choose another name or remove it first")
-    write_whole(
+    write_text(
         target, f"# Copied from '{name}' of the tautwire library.\n" + _as_own(text, name, target)
     )
     return target
@@ -137,25 +137,3 @@ _OWN_SOURCES = """\
 # sources:
 #   - {path: wires.contact.tension, source: drawing 123, confidence: one source}
 """
-
-
-def write_whole(target: Path, text: str) -> None:
-    """Write a text file completely or not at all.
-
-    Raises
-    ------
-    InputError
-        When it cannot be written.
-    """
-    draft = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(target)
-    except OSError as error:
-        raise InputError(
-            f"{shortened(str(target), 300)}: cannot be written ({error.strerror or error}); "
-            f"{cure_of(error)}"
-        ) from None
-    finally:
-        with suppress(OSError):  # a name too long for the folder has no file either
-            draft.unlink(missing_ok=True)

@@ -7,10 +7,10 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from tautwire.catalogue.entries import write_whole
 from tautwire.catalogue.numbers import Number
 from tautwire.catalogue.parts import LumpedPantograph, Part, Rope
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.text import as_name
 
 _HEAD = """\
@@ -55,7 +55,7 @@ def copy_part(part: Part, path: str | os.PathLike[str], *, force: bool = False) 
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
     if target.is_dir() or (target.exists() and not force):
         raise InputError(f"{target}: exists already; choose another name or remove it first")
-    write_whole(target, part_as_text(part, target))
+    write_text(target, part_as_text(part, target))
     return target
 
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tautwire.errors import InputError, cure_of
+from tautwire.files import FolderLock, remove_drafts
 from tautwire.text import shortened
 
 RESULTS = (
@@ -82,9 +83,8 @@ def result_folder(folder: Path, *, force: bool) -> Iterator[Files]:
         When the folder cannot be written to, is in use by another command, or holds another
         result.
     """
-    with prepared_folder(folder), _locked(folder):
-        for draft in folder.glob(".*.part"):  # left behind by a process that was killed
-            draft.unlink(missing_ok=True)
+    with prepared_folder(folder), FolderLock(folder):
+        remove_drafts(folder)
         held = [path for pattern in RESULTS for path in sorted(folder.glob(pattern))]
         if held and not force:
             raise InputError(
@@ -97,31 +97,6 @@ def result_folder(folder: Path, *, force: bool) -> Iterator[Files]:
 def _few(paths: Sequence[Path]) -> str:
     names = [path.name for path in paths]
     return ", ".join(names) if len(names) <= 3 else f"{', '.join(names[:3])}, ..."
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Lock a folder itself, so that no lock file stays in it, until the block or process ends."""
-    try:
-        import fcntl
-    except ImportError:  # not POSIX
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(handle)
-        raise InputError(
-            f"--out {folder}: another command is computing for this folder; wait for it, or "
-            "choose another folder with --out"
-        ) from None
-    except OSError:  # a file system without locks
-        pass
-    try:
-        yield
-    finally:
-        os.close(handle)
 
 
 def _made(folder: Path) -> bool:

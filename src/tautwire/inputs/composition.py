@@ -35,6 +35,7 @@ from tautwire.inputs.reading.line_tables import (
 )
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import Cells, Column
+from tautwire.specs.base import Spec
 from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.text import shown
 
@@ -335,7 +336,7 @@ class _Composer:
                 f"{' and '.join(names)}"
             )
         try:
-            found = read_columns(self._table_path(own[TABLE], document), _columns_at(at, names))
+            found = read_columns(self._table_path(own[TABLE], document), _columns_at(at, spec))
         except InputError as error:
             self.result.problems += error.problems
             self.result.incomplete.add(place)
@@ -385,9 +386,13 @@ def _refuse_foreign(document: Document, at: ValuePath) -> None:
         )
 
 
-def _columns_at(at: ValuePath, names: tuple[str, ...]) -> list[Column]:
-    quantities = ((name, find_target((*at, name)).quantity) for name in names)
-    return [Column(name, q.unit if q is not None else "", required=True) for name, q in quantities]
+def _columns_at(at: ValuePath, spec: type[Spec]) -> list[Column]:
+    columns = []
+    for name in spec.table_columns:
+        quantity = find_target((*at, name)).quantity
+        unit = quantity.unit if quantity is not None else ""
+        columns.append(Column(name, unit, required=name not in spec.optional_columns))
+    return columns
 
 
 def _check_schema(version: object, label: str) -> None:

@@ -2,7 +2,9 @@
 
 A closure answers for all registrations of its kind at once: which directions are held while the
 shape is sought, which force acts meanwhile, how the arm stands in the found shape, and what it is
-at rest. Directions are numbered 0 along the track, 1 lateral, 2 vertical.
+at rest. Everything is told in the frame of the track at the registration: 0 along the track,
+1 lateral, 2 normal to the plane of the rails. Gravity has a component in each of them where there
+are gradient and cant.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ class Held:
     angle : (n,) rad
         Inclination of the arms, positive when the far end is above the wire; NaN without arms.
     end : (n, 3) m
-        Far ends of the arms; NaN without arms.
+        Far ends of the arms in the frames of the track; NaN without arms.
     preload : (n,) N
         Upward force of springs; zero with arms.
     """
@@ -52,8 +54,8 @@ class AtRest:
     ----------
     stays : Stays
     grounds : Grounds
-    lift : (n,) N
-        Constant vertical force on the wires.
+    load : (n, 3) N
+        Constant force on the wires.
     is_held_sideways : bool
     added_mass : float kg
         Mass that moves with each wire and is not among the lumped masses yet.
@@ -61,7 +63,7 @@ class AtRest:
 
     stays: Stays
     grounds: Grounds
-    lift: Array
+    load: Array
     is_held_sideways: bool
     added_mass: float = 0.0
 
@@ -83,9 +85,15 @@ class Closure(ABC):
         """Return the weight of what belongs to the registration and is no lumped mass [N]."""
         return 0.0
 
-    def design_lift(self, gravity: float) -> float:  # noqa: ARG002
-        """Return the constant vertical force on the wire while the shape is sought [N]."""
-        return 0.0
+    def design_load(self, gravity: Array) -> Array:
+        """Return the constant forces on the wires while the shape is sought, ``(n, 3)`` [N].
+
+        Parameters
+        ----------
+        gravity : (n, 3) m/s2
+            In the frames of the track.
+        """
+        return np.zeros_like(gravity)
 
     def design_stays(self, node: Index, end: Array) -> Stays:  # noqa: ARG002
         """Return the arms that take part while the shape is sought.
@@ -99,7 +107,7 @@ class Closure(ABC):
         return Stays.none()
 
     @abstractmethod
-    def hold(self, wire: Array, reaction: Array, end: Array, gravity: float) -> Held:
+    def hold(self, wire: Array, reaction: Array, end: Array, gravity: Array) -> Held:
         """Return how the wires are held in the found shape.
 
         Parameters
@@ -110,12 +118,11 @@ class Closure(ABC):
             Forces that hold them.
         end : (n, 3) m
             Far ends, where they are given.
-        gravity
-            [m/s2]
+        gravity : (n, 3) m/s2
         """
 
     @abstractmethod
-    def at_rest(self, node: Index, wire: Array, held: Held, gravity: float) -> AtRest:
+    def at_rest(self, node: Index, wire: Array, held: Held, gravity: Array) -> AtRest:
         """Return what holds the wires once the shape is found.
 
         Parameters
@@ -125,8 +132,7 @@ class Closure(ABC):
             Positions of the wires.
         held
             How they are held.
-        gravity
-            [m/s2]
+        gravity : (n, 3) m/s2
         """
 
 
@@ -134,23 +140,28 @@ class Closure(ABC):
 class _WithArm(Closure, ABC):
     arm: Arm
 
-    def half_weight(self, gravity: float) -> float:
-        """Return half the weight of the arm [N]; the other half hangs on its far end."""
-        return 0.5 * self.arm.mass * self.arm.length * gravity
+    @property
+    def half_mass(self) -> float:
+        """Half the mass of the arm [kg]; the other half hangs on its far end."""
+        return 0.5 * self.arm.mass * self.arm.length
 
     @override
     def carried_weight(self, gravity: float) -> float:
-        return 2.0 * self.half_weight(gravity)
+        return 2.0 * self.half_mass * gravity
 
-    def _pull(self, reaction: Array, gravity: float) -> Array:
+    @override
+    def design_load(self, gravity: Array) -> Array:
+        """Return what no reaction holds: the weight's share along the track."""
+        return self.half_mass * gravity * np.array([1.0, 0.0, 0.0])
+
+    def _pull(self, reaction: Array, gravity: Array) -> Array:
         """Return the axial force of each arm on its wire, ``(n, 3)`` [N]."""
-        pull = reaction.copy()
+        pull = reaction - self.half_mass * gravity
         pull[:, 0] = 0.0
-        pull[:, 2] += self.half_weight(gravity)
         return pull
 
     @override
-    def hold(self, wire: Array, reaction: Array, end: Array, gravity: float) -> Held:
+    def hold(self, wire: Array, reaction: Array, end: Array, gravity: Array) -> Held:
         pull = self._pull(reaction, gravity)
         force = np.linalg.norm(pull, axis=1)
         length = self.arm.length * (1.0 + force / self.arm.axial_stiffness)
@@ -170,14 +181,13 @@ class _WithArm(Closure, ABC):
         )
 
     @override
-    def at_rest(self, node: Index, wire: Array, held: Held, gravity: float) -> AtRest:
-        half = self.half_weight(gravity)
+    def at_rest(self, node: Index, wire: Array, held: Held, gravity: Array) -> AtRest:
+        half = self.half_mass * gravity
         if self.arm.motion == "swinging":
-            lift = np.full(len(node), -half)
-            return AtRest(self.stays(node, held.end), Grounds.none(), lift, is_held_sideways=False)
+            return AtRest(self.stays(node, held.end), Grounds.none(), half, is_held_sideways=False)
         return self._vertical(node, wire, held, half)
 
-    def _vertical(self, node: Index, wire: Array, held: Held, half: float) -> AtRest:
+    def _vertical(self, node: Index, wire: Array, held: Held, half: Array) -> AtRest:
         """Return the springs that the arms are for small rotations at constant lateral pull H.
 
         ``V = H tan(angle)`` gives ``dV/dz = H / (l cos^3 angle)``; along the track an arm is a
@@ -193,7 +203,7 @@ class _WithArm(Closure, ABC):
                 along_axes(0.0 * along, 0.0 * along),
                 wire * np.array([1.0, 0.0, 1.0]),
             ),
-            lift=held.force * np.sin(held.angle) - half,
+            load=half + upward(held.force * np.sin(held.angle)),
             is_held_sideways=True,
             added_mass=self.arm.mass * self.arm.length / 3.0,
         )
@@ -211,7 +221,7 @@ class Height(_WithArm):
 
 @dataclass(frozen=True)
 class Lift(_WithArm):
-    """The vertical force of the steady arm is given, its own half weight deducted [N]."""
+    """The upward force of the steady arm is given, its own half weight deducted [N]."""
 
     force: float
 
@@ -221,11 +231,11 @@ class Lift(_WithArm):
         return (1,)
 
     @override
-    def design_lift(self, gravity: float) -> float:
-        return self.force
+    def design_load(self, gravity: Array) -> Array:
+        return super().design_load(gravity) + np.array([0.0, 0.0, self.force])
 
     @override
-    def _pull(self, reaction: Array, gravity: float) -> Array:
+    def _pull(self, reaction: Array, gravity: Array) -> Array:
         given = reaction.copy()
         given[:, 2] = self.force
         return super()._pull(given, gravity)
@@ -241,15 +251,15 @@ class GivenArm(_WithArm):
         return ()
 
     @override
-    def design_lift(self, gravity: float) -> float:
-        return -self.half_weight(gravity)
+    def design_load(self, gravity: Array) -> Array:
+        return self.half_mass * gravity
 
     @override
     def design_stays(self, node: Index, end: Array) -> Stays:
         return self.stays(node, end)
 
     @override
-    def hold(self, wire: Array, reaction: Array, end: Array, gravity: float) -> Held:
+    def hold(self, wire: Array, reaction: Array, end: Array, gravity: Array) -> Held:
         offset = end - wire
         arms = self.stays(np.zeros(len(wire), dtype=np.int64), end)
         return _held_by_arms(wire, arms.axial_force(np.linalg.norm(offset, axis=1)), offset)
@@ -272,12 +282,12 @@ class Spring(Closure):
         return self.spring.mass
 
     @override
-    def hold(self, wire: Array, reaction: Array, end: Array, gravity: float) -> Held:
+    def hold(self, wire: Array, reaction: Array, end: Array, gravity: Array) -> Held:
         none = np.full(len(wire), np.nan)
         return Held(none, none, np.full((len(wire), 3), np.nan), reaction[:, 2])
 
     @override
-    def at_rest(self, node: Index, wire: Array, held: Held, gravity: float) -> AtRest:
+    def at_rest(self, node: Index, wire: Array, held: Held, gravity: Array) -> AtRest:
         ones = np.ones(len(node))
         grounds = Grounds(
             node,
@@ -285,12 +295,18 @@ class Spring(Closure):
             along_axes(0.0 * ones, self.spring.damping * ones),
             wire * np.array([1.0, 0.0, 1.0]),
         )
-        return AtRest(Stays.none(), grounds, held.preload, is_held_sideways=True)
+        return AtRest(Stays.none(), grounds, upward(held.preload), is_held_sideways=True)
 
 
 def _held_by_arms(wire: Array, force: Array, offset: Array) -> Held:
     angle = np.arctan2(offset[:, 2], np.abs(offset[:, 1]))
     return Held(force, angle, wire + offset, np.zeros(len(wire)))
+
+
+def upward(force: Array) -> Array:
+    """Return forces normal to the plane of the rails, ``(n, 3)`` [N]."""
+    zeros = np.zeros_like(force)
+    return np.stack([zeros, zeros, force], axis=1)
 
 
 def along_axes(along: Array, vertical: Array) -> Array:

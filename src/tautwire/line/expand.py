@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tautwire.line.alignment import alignment
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks
 from tautwire.line.labels import HangerLabel, MastLabel
@@ -27,6 +28,7 @@ from tautwire.line.pieces import (
 )
 from tautwire.line.plan import Plan, plans
 from tautwire.line.registration import arm_ends
+from tautwire.numerics.track import Track
 from tautwire.specs.case import Case
 from tautwire.specs.line.catenary import Device, EndWord
 from tautwire.specs.line.dropper import Droppers
@@ -49,14 +51,15 @@ def expand(case: Case) -> Line:
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
-    whole = plans(case)
+    whole, track = plans(case), alignment(case.track, case.line)
     runs = [run for plan in whole for run in _Expansion(case, plan).runs()]
     hangers = [hanger for plan in whole for hanger in _Expansion(case, plan).hangers()]
-    registrations = [r for plan in whole for r in _Expansion(case, plan).registrations()]
+    registrations = [r for plan in whole for r in _Expansion(case, plan).registrations(track)]
     suspensions = [s for plan in whole for s in _Expansion(case, plan).suspensions()]
     joints = [joint for plan in whole for joint in _Expansion(case, plan).joints()]
     carried = len({hanger.lower.run for hanger in hangers})
     return Line(
+        track=track,
         masts=case.line.support_positions(),
         runs=tuple(runs),
         hangers=_numbered(hangers, case.line.support_positions(), carried),
@@ -216,12 +219,12 @@ class _Expansion:
                     thermal_expansion=one.thermal_expansion,
                 )
 
-    def registrations(self) -> Iterator[Registration]:
+    def registrations(self, track: Track) -> Iterator[Registration]:
         spec = self.case.supports
         for name, wire in self.case.wires.of_role("contact"):
             y, _ = self._place(wire)
             masts = range(self.plan.first, self.plan.last + 1)
-            ends = arm_ends(spec, masts, self.masts, y, self.contact_z)
+            ends = arm_ends(spec, masts, track, self.masts, y, self.contact_z)
             for mast in self.plan.inner:
                 is_raised = mast in self.plan.raised and self.case.wires.messenger is not None
                 yield Registration(

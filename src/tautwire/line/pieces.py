@@ -1,7 +1,7 @@
 """Every run of wire and whatever hangs on it, piece by piece.
 
 Positions are given in the frame of the track: ``s`` along it, ``y`` to the left of rising ``s``,
-``z`` above the rails.
+``z`` above the rails, normal to their plane.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Literal
 
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.numerics.track import Track
 from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
 from tautwire.specs.line.wire import Wire
@@ -210,12 +211,14 @@ class Line:
 
     Attributes
     ----------
+    track : Track
     masts : tuple of float m
     runs, hangers, joints, registrations, suspensions : tuples of pieces
     marks : tuple of At
         Other places at which a wire needs a node.
     """
 
+    track: Track
     masts: tuple[float, ...]
     runs: tuple[Run, ...]
     hangers: tuple[Hanger, ...]

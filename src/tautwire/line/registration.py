@@ -1,4 +1,4 @@
-"""Where steady arms stand: pull-off or push-off, as the stagger asks."""
+"""Where steady arms stand: pull-off or push-off, as stagger and curve ask."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from tautwire.errors import ModelError
 from tautwire.line.labels import MastLabel, place
+from tautwire.numerics.track import Track
 from tautwire.specs.line.support import Supports
 
 STRAIGHT = 1e-6
@@ -15,7 +16,7 @@ Values = tuple[float, ...]
 
 
 def arm_ends(
-    spec: Supports, masts: range, s: Values, y: Values, z: Values
+    spec: Supports, masts: range, track: Track, s: Values, y: Values, z: Values
 ) -> dict[int, tuple[float, float]]:
     """Return the far ends (y, z) of given arms by mast [m]; none unless they are given.
 
@@ -24,6 +25,7 @@ def arm_ends(
     spec
     masts
         0-based masts of the wire, its anchors included.
+    track
     s, y, z
         Place, lateral position and height of the wire at all masts of the line [m].
 
@@ -44,21 +46,30 @@ def arm_ends(
         }
     angle = float(spec.arm.angle or 0.0)
     reach, rise = spec.arm.length * np.cos(angle), spec.arm.length * np.sin(angle)
-    sides = _pulling_sides(masts, s, y)
+    sides = _pulling_sides(masts, track, s, (y, z))
     return {m: (float(y[m] + sides[m] * reach), float(z[m] + rise)) for m in inner}
 
 
-def _pulling_sides(masts: range, s: Values, y: Values) -> dict[int, float]:
-    """Return +1 or -1 for each support: the side to which its arm must pull."""
-    own = list(masts)
-    bend = np.diff(np.diff(np.array(y)[own]) / np.diff(np.array(s)[own]))
+def _pulling_sides(
+    masts: range, track: Track, s: Values, place_of_wire: tuple[Values, Values]
+) -> dict[int, float]:
+    """Return +1 or -1 for each support: the side to which its arm must pull.
+
+    The wire bends there by the difference of the directions of its chords.
+    """
+    own = track.frames(np.array(s)[masts])
+    lateral, height = (np.array(values)[masts] for values in place_of_wire)
+    local = np.stack([np.zeros(len(masts)), lateral, height], axis=1)
+    chords = np.diff(own.to_world(local), axis=0)
+    chords /= np.linalg.norm(chords, axis=1, keepdims=True)
+    bend = np.sum(np.diff(chords, axis=0) * own.axes[1:-1, 1], axis=1)
     faults = [
         f"{place(MastLabel.of_index(mast), s[mast])}: the contact wire runs straight "
         "there, so a steady arm has nothing to pull; give it stagger (supports.contact_stagger), "
         "give the far ends (arm_end_y, arm_end_z) or use closure 'spring'"
-        for mast, change in zip(own[1:-1], bend, strict=True)
+        for mast, change in zip(masts[1:-1], bend, strict=True)
         if abs(change) < STRAIGHT
     ]
     if faults:
         raise ModelError("\n".join(faults))
-    return dict(zip(own[1:-1], (-np.sign(bend)).tolist(), strict=True))
+    return dict(zip(masts[1:-1], (-np.sign(bend)).tolist(), strict=True))

@@ -111,6 +111,7 @@ def build(case: Case) -> Model:
         gravity=gravity,
         taut=np.ones(len(line.hangers), dtype=bool),
         joints=_sought_joints(line, mesh),
+        axes=mesh.frames.axes,
     )
     return Model(case, line, mesh, drawn, problem)
 
@@ -136,10 +137,20 @@ def _laterals(line: Line, strand: Strand) -> Array:
     known = _known_laterals(line, strand.run)
     for hanger in line.hangers:
         if len(known) == 2 and hanger.lower.run == strand.run.name:
-            above = _known_laterals(line, line.by_name[hanger.upper.run])
-            return np.interp(strand.s, sorted(above), [above[s] for s in sorted(above)])
-    places = sorted(known)
-    return np.interp(strand.s, places, [known[s] for s in places])
+            known = _known_laterals(line, line.by_name[hanger.upper.run])
+            break
+    places = np.array(sorted(known))
+    return np.interp(strand.s, places, [known[s] for s in places]) + _inside(line, strand.s, places)
+
+
+def _inside(line: Line, s: Array, places: Array) -> Array:
+    """Return how far to the left of the track's middle its chords between some places run [m]."""
+    span = np.clip(np.searchsorted(places, s, side="right") - 1, 0, len(places) - 2)
+    ends, here = line.track.frames(places).origin, line.track.frames(s)
+    chord = ends[span + 1] - ends[span]
+    t, n = here.axes[:, 0], here.axes[:, 1]
+    way = np.sum(t * (here.origin - ends[span]), axis=1) / np.sum(t * chord, axis=1)
+    return np.sum(n * (ends[span] + way[:, None] * chord - here.origin), axis=1)
 
 
 def _known_laterals(line: Line, run: Run) -> dict[float, float]:
@@ -148,9 +159,10 @@ def _known_laterals(line: Line, run: Run) -> dict[float, float]:
     return known | {piece.at.s: piece.y for piece in pieces if piece.at.run == run.name}
 
 
-def _points(line: Line, strand: Strand, guess: Guess) -> Array:
+def _points(line: Line, mesh: Mesh, strand: Strand, guess: Guess) -> Array:
     """Return the guessed positions of the nodes of a strand, ``(n, 3)`` [m]."""
-    return np.stack([strand.s, _laterals(line, strand), guess.height[strand.nodes]], axis=1)
+    own = [np.zeros(len(strand.s)), _laterals(line, strand), guess.height[strand.nodes]]
+    return mesh.frames[strand.nodes].to_world(np.stack(own, axis=1))
 
 
 def _stretch(run: Run) -> float:
@@ -161,7 +173,7 @@ def _positions(line: Line, mesh: Mesh, guess: Guess) -> Array:
     """Return guessed coordinates and slopes of all nodes, ``(n_node, 2, 3)``."""
     position = np.zeros((mesh.node_count, 2, 3))
     for strand in mesh.strands:
-        r = _points(line, strand, guess)
+        r = _points(line, mesh, strand, guess)
         direction = np.gradient(r, strand.s, axis=0)
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         position[strand.nodes, 0] = r
@@ -174,7 +186,7 @@ def _cables(line: Line, mesh: Mesh, guess: Guess) -> Cables:
     parts = []
     for strand in mesh.strands:
         wire, count = strand.run.wire, len(strand.cables)
-        chord = np.linalg.norm(np.diff(_points(line, strand, guess), axis=0), axis=1)
+        chord = np.linalg.norm(np.diff(_points(line, mesh, strand, guess), axis=0), axis=1)
         parts.append(
             Cables(
                 np.stack([strand.nodes[:-1], strand.nodes[1:]], axis=1),
@@ -218,14 +230,18 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
     """Return the loads that do not depend on the unstrained lengths, ``(n_dof,)``."""
     load = np.zeros((mesh.node_count, 6))
     load[:, 2] -= lumped * gravity
+    along = mesh.frames.axes[:, 0]
     for strand in mesh.strands:
-        load[strand.nodes[-1], 0] += strand.run.wire.tension
+        end = strand.nodes[-1]
+        load[end, :3] += strand.run.wire.tension * along[end]
     for joint in line.joints:
         run = line.by_name[joint.other.run]
         if joint.other.s == run.end.s:
-            load[mesh.node(joint.host), 0] -= run.wire.tension
+            host = mesh.node(joint.host)
+            load[host, :3] -= run.wire.tension * along[host]
     for group in groups(line, mesh):
-        load[group.nodes, 2] += group.kind.design_lift(gravity)
+        local = group.kind.design_load(group.gravity(gravity))
+        load[group.nodes, :3] += group.frames.turned(local)
     return load.ravel()
 
 

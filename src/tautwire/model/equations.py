@@ -12,11 +12,15 @@ from tautwire.errors import ModelError
 from tautwire.model.build import Model
 from tautwire.model.operation.devices import tensioning_devices
 from tautwire.model.registrations import registrations_at_rest, suspension_grounds
-from tautwire.numerics.network.parts import Clamps, Stays
-from tautwire.numerics.network.system import System, weight_load
+from tautwire.numerics.network.parts import Clamps, Grounds, Stays
+from tautwire.numerics.network.system import System, internal_force, weight_load
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[Any]
+
+HOLDING = 1e8
+"""Stiffness of a spring that holds a node in a direction across the axes of the coordinates [N/m]:
+under 1 kN it gives way by 10 micrometres, and it is no stiffer than a wire element of 0.15 m."""
 
 
 def equations(model: Model, shape: Equilibrium) -> System:
@@ -83,14 +87,14 @@ def at_rest(
     """
     line, mesh, gravity = model.line, model.mesh, model.case.line.gravity
     built = model.form.system
-    fixed, load = _ends_and_suspensions(model, shape, anchored)
+    held, load = _ends_and_suspensions(model, shape, anchored)
     stays, grounds = Stays.none(), suspension_grounds(line, mesh, shape.suspension_free_heights)
     tensioning = tensioning_devices(model, shape.position)
     mass = tensioning.mass
     for group, rest in registrations_at_rest(line, mesh, shape, gravity, broken):
         stays, grounds = stays.joined(rest.stays), grounds.joined(rest.grounds)
-        load[group.nodes, 2] += rest.lift
-        fixed[group.nodes, 1] = rest.is_held_sideways
+        load[group.nodes, :3] += rest.load
+        held[group.nodes, 1] = rest.is_held_sideways
         mass[group.nodes] += rest.added_mass
     system = built.with_(
         position=shape.position,
@@ -99,19 +103,22 @@ def at_rest(
         stays=stays,
         grounds=grounds.joined(tensioning.springs),
         clamps=_clamps(built.clamps, shape),
-        fixed=fixed.ravel(),
         load=load.ravel(),
     )
     mass = system.node_mass + system.ties.hanging_mass(system.node_count) + mass
-    return system.with_(node_mass=mass, load=system.load + weight_load(system, gravity))
+    system = system.with_(node_mass=mass, load=system.load + weight_load(system, gravity))
+    return _holding(system, held, mesh.frames.axes)
 
 
 def _ends_and_suspensions(
     model: Model, shape: Equilibrium, anchored: NDArray[np.bool_]
 ) -> tuple[NDArray[np.bool_], Array]:
-    """Return what the ends of the wires and the suspensions hold, and loads, ``(n_node, 6)``."""
+    """Return what the ends of the wires and the suspensions hold, and loads.
+
+    ``(n_node, 3)`` along the axes of the track, and ``(n_node, 6)``.
+    """
     mesh = model.mesh
-    fixed = np.zeros((mesh.node_count, 6), dtype=bool)
+    fixed = np.zeros((mesh.node_count, 3), dtype=bool)
     load = np.zeros((mesh.node_count, 6))
     load[:, 2] -= model.form.system.node_mass * model.case.line.gravity
     for number, strand in enumerate(mesh.strands):
@@ -119,12 +126,45 @@ def _ends_and_suspensions(
         for side, (end, node) in enumerate(ends):
             fixed[node, 1:3] = end.kind != "clamped"
             fixed[node, 0] = anchored[side, number]
-            load[node, 0] += shape.end_pulls[side, number]
+            load[node, :3] += shape.end_pulls[side, number] * mesh.frames.axes[node, 0]
     for piece in model.line.suspensions:
         fixed[mesh.node(piece.at), :2] = piece.is_fixed_along, True
     for piece in model.line.registrations:
         fixed[mesh.node(piece.at), 0] = piece.is_fixed_along
     return fixed, load
+
+
+def _holding(system: System, held: NDArray[np.bool_], axes: Array) -> System:
+    """Hold nodes in some directions of the track.
+
+    A direction that is an axis of the coordinates is a fixed degree of freedom, and so is all of a
+    node that is held in every direction. Any other is a stiff spring, damped like the wires, which
+    in the found shape carries what would be out of balance without it.
+    """
+    directions = axes * held[..., None]
+    is_axis = held & (np.count_nonzero(axes, axis=2) == 1)
+    fixed = np.zeros((len(held), 6), dtype=bool)
+    fixed[:, :3] = np.any((directions != 0.0) & is_axis[..., None], axis=1)
+    fixed[np.all(held, axis=1), :3] = True
+    node, axis = np.nonzero(held & ~is_axis & ~np.all(held, axis=1)[:, None])
+    d = axes[node, axis]
+    unbalanced = internal_force(system, system.position).nodal - system.load
+    force = np.sum(d * unbalanced.reshape(-1, 6)[node, :3], axis=1)
+    stiffness = HOLDING * d[:, :, None] * d[:, None, :]
+    holding = Grounds(
+        node,
+        stiffness,
+        system.damping.stiffness * stiffness,
+        system.position.reshape(-1, 6)[node, :3] + (force / HOLDING)[:, None] * d,
+    )
+    return system.with_(fixed=fixed.ravel(), grounds=system.grounds.joined(holding))
+
+
+def is_held(system: System, node: int, direction: Array) -> bool:
+    """Tell whether a node is fixed, or held by a stiff spring, in a direction across the track."""
+    own = system.grounds.stiffness[system.grounds.node == node]
+    is_fixed = bool(system.fixed[6 * node : 6 * node + 3][direction != 0.0].all())
+    return is_fixed or bool(np.any(direction @ own @ direction > 0.5 * HOLDING))
 
 
 def _clamps(clamps: Clamps, shape: Equilibrium) -> Clamps:

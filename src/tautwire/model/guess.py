@@ -75,10 +75,15 @@ def guess_shape(
 
 
 def _string(line: Line, strand: Strand, weights: Array, gravity: float) -> _String:
-    """Return a run under its own weight, held where it is anchored, registered, suspended."""
+    """Return a run under its own weight, held where it is anchored, registered, suspended.
+
+    Heights count from the rails: where these bend up, a taut wire falls behind them as under less
+    weight.
+    """
     dx = np.diff(strand.s)
     load = weights[strand.nodes].copy()
     own = 0.5 * strand.run.wire.mass * gravity * dx
+    load -= strand.run.wire.tension * line.track.rise_curvature(strand.s) * np.gradient(strand.s)
     load[:-1] += own
     load[1:] += own
     run = strand.run

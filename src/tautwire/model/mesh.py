@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
 from tautwire.model.band import longest_element
+from tautwire.numerics.track import Frames
 from tautwire.specs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -53,10 +54,13 @@ class Mesh:
     strands : tuple of Strand
     s : (n_node,) m
         Place of every node along the track.
+    frames : Frames
+        Of the track at every node.
     """
 
     strands: tuple[Strand, ...]
     s: Array
+    frames: Frames
 
     @property
     def node_count(self) -> int:
@@ -75,6 +79,15 @@ class Mesh:
         """Return the node at an attachment."""
         strand = self._by_name[at.run]
         return int(strand.nodes[strand.position(at.s)])
+
+    def heights(self, position: Array) -> Array:
+        """Return how high the nodes are above the rails, ``(n_node,)`` [m].
+
+        Parameters
+        ----------
+        position : (n_dof,)
+        """
+        return self.frames.to_local(position.reshape(-1, 6)[:, :3])[:, 2]
 
     def nodes(self, places: Iterable[At]) -> Index:
         """Return the nodes at some attachments."""
@@ -159,7 +172,7 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
         cables = np.arange(first_cable, first_cable + len(own) - 1)
         strands.append(Strand(run, own, nodes, cables))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
-    return Mesh(tuple(strands), s[order])
+    return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
 
 
 def _division(line: Line, run: Run, settings: Settings, speed: float) -> Division:

@@ -82,6 +82,7 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     start_x = case.settings.start if sign > 0 else length - case.settings.start
     duration = (length - 2.0 * case.settings.start) / case.scenario.speed
     _check_length(model, duration)
+    _check_sideways(model, shape)
     height = float(shape.running_height(np.array(start_x)))
     surface = surface_profile(model.irregularities)
     height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
@@ -97,7 +98,8 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
             ramp=case.settings.ramp,
             roof=_roof(spec),
             surface=surface,
-            reach=0.5 * spec.head_length if len(shape.of_role("contact")) > 1 else np.inf,
+            reach=0.5 * spec.head_length,
+            track=model.line.track,
         )
         for spec, force in zip(case.pantographs, forces, strict=True)
     )
@@ -165,6 +167,33 @@ def _roof(spec: Pantograph) -> RoofMotion | None:
     if spec.roof_motion is None:
         return None
     return RoofMotion(np.array(spec.roof_motion.time), np.array(spec.roof_motion.height))
+
+
+def _check_sideways(model: Model, shape: Equilibrium) -> None:
+    """Refuse a line on which no contact wire lies on a head where pantographs pass."""
+    case = model.case
+    start = case.settings.start
+    s = np.linspace(start, case.line.length() - start, _POINTS_PER_SPAN * case.line.spans)
+    beside = np.min(
+        [
+            np.abs(np.interp(s, wire.s, wire.position[:, 1], left=np.inf, right=np.inf))
+            for wire in shape.of_role("contact")
+        ],
+        axis=0,
+    )
+    shortest = min(case.pantographs, key=lambda pantograph: pantograph.head_length)
+    worst = int(np.argmax(beside))
+    if beside[worst] <= 0.5 * shortest.head_length:
+        return
+    span = int(np.clip(np.searchsorted(model.line.masts, s[worst]), 1, case.line.spans))
+    raise ModelError(
+        f"the contact wire leaves the head of pantograph {shortest.name!r} sideways: in span "
+        f"{span}, x = {s[worst]:.1f} m, it lies {beside[worst]:.2f} m from the middle of the "
+        f"track, and half the head is {0.5 * shortest.head_length:g} m; change the stagger there "
+        "(supports.contact_stagger; in a curve the wires run inside the arc between supports), "
+        "make the spans shorter (line.span_length) or give the head its length "
+        "(pantographs.head_length)"
+    )
 
 
 def _check_length(model: Model, duration: float) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from tautwire.line.closures import AtRest, Closure, Held, along_axes
 from tautwire.line.pieces import Line
 from tautwire.model.mesh import Mesh
 from tautwire.numerics.network.parts import Grounds, Stays
+from tautwire.numerics.track import Frames
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]
@@ -28,14 +29,25 @@ class Group:
     rows : (n,)
         Which of the line's registrations.
     nodes : (n,)
+    frames : Frames
+        Of the track there.
     end : (n, 3) m
-        Given far ends of their arms; NaN where none is given.
+        Given far ends of their arms in these frames; NaN where none is given.
     """
 
     kind: Closure
     rows: Index
     nodes: Index
+    frames: Frames
     end: Array
+
+    def gravity(self, gravity: float) -> Array:
+        """Return the acceleration of gravity in the frames, ``(n, 3)`` [m/s2]."""
+        return self.frames.components(np.array([0.0, 0.0, -gravity]))
+
+    def local(self, vectors: Array) -> Array:
+        """Return the coordinates of the nodes among all ``(n_node, 3)``, in the frames [m]."""
+        return self.frames.to_local(vectors[self.nodes])
 
 
 def groups(line: Line, mesh: Mesh, without: Collection[int] = ()) -> Iterator[Group]:
@@ -47,14 +59,36 @@ def groups(line: Line, mesh: Mesh, without: Collection[int] = ()) -> Iterator[Gr
         kinds.setdefault(piece.kind, []).append(row)
     for kind, rows in kinds.items():
         pieces = [line.registrations[row] for row in rows]
-        ends = [(p.at.s, *(p.end or (np.nan, np.nan))) for p in pieces]
+        ends = [(0.0, *(p.end or (np.nan, np.nan))) for p in pieces]
         nodes = mesh.nodes(piece.at for piece in pieces)
-        yield Group(kind, np.array(rows, dtype=np.int64), nodes, np.array(ends, dtype=float))
+        numbers = np.array(rows, dtype=np.int64)
+        yield Group(kind, numbers, nodes, mesh.frames[nodes], np.array(ends, dtype=float))
 
 
 def design_stays(line: Line, mesh: Mesh) -> Stays:
     """Return the arms that take part while the shape is sought."""
-    return Stays.none().joined(*(g.kind.design_stays(g.nodes, g.end) for g in groups(line, mesh)))
+    return Stays.none().joined(
+        *(
+            _placed_stays(group.kind.design_stays(group.nodes, group.end), group.frames)
+            for group in groups(line, mesh)
+        )
+    )
+
+
+def _placed_stays(stays: Stays, frames: Frames) -> Stays:
+    """Return stays whose far ends were given in frames of the track, where they are."""
+    return stays.with_(end=frames.to_world(stays.end)) if len(stays) else stays
+
+
+def placed_grounds(grounds: Grounds, frames: Frames) -> Grounds:
+    """Return springs that were given in frames of the track, where they are."""
+    if not len(grounds):
+        return grounds
+    return grounds.with_(
+        stiffness=frames.matrices(grounds.stiffness),
+        damping=frames.matrices(grounds.damping),
+        free=frames.to_world(grounds.free),
+    )
 
 
 def held_registrations(
@@ -65,8 +99,9 @@ def held_registrations(
     Parameters
     ----------
     line, mesh
-    position, reactions : (n_dof,)
-        Coordinates, and the forces that hold them.
+    position : (n_dof,)
+    reactions : (n_dof,)
+        Forces that hold the nodes, along the axes of the track.
     gravity
         [m/s2]
     """
@@ -74,7 +109,8 @@ def held_registrations(
     whole = Held(*(np.full(shape, np.nan) for shape in (count, count, (count, 3), count)))
     r, forces = (values.reshape(-1, 6)[:, :3] for values in (position, reactions))
     for group in groups(line, mesh):
-        held = group.kind.hold(r[group.nodes], forces[group.nodes], group.end, gravity)
+        weight, force = group.gravity(gravity), forces[group.nodes]
+        held = group.kind.hold(group.local(r), force, group.end, weight)
         for name in ("force", "angle", "end", "preload"):
             getattr(whole, name)[group.rows] = getattr(held, name)
     return whole
@@ -83,12 +119,24 @@ def held_registrations(
 def registrations_at_rest(
     line: Line, mesh: Mesh, shape: Equilibrium, gravity: float, broken: Collection[int]
 ) -> Iterator[tuple[Group, AtRest]]:
-    """Yield what holds the contact wires once the shape is found, kind by kind; broken rows not."""
+    """Yield what holds the contact wires once the shape is found, kind by kind, in place.
+
+    Broken rows are left out.
+    """
     r = shape.position.reshape(-1, 6)[:, :3]
     held = _held_in(line, shape)
     for group in groups(line, mesh, broken):
         own = Held(*(getattr(held, n)[group.rows] for n in ("force", "angle", "end", "preload")))
-        yield group, group.kind.at_rest(group.nodes, r[group.nodes], own, gravity)
+        rest = group.kind.at_rest(group.nodes, group.local(r), own, group.gravity(gravity))
+        yield (
+            group,
+            replace(
+                rest,
+                stays=_placed_stays(rest.stays, group.frames),
+                grounds=placed_grounds(rest.grounds, group.frames),
+                load=group.frames.turned(rest.load),
+            ),
+        )
 
 
 def _held_in(line: Line, shape: Equilibrium) -> Held:
@@ -98,6 +146,7 @@ def _held_in(line: Line, shape: Equilibrium) -> Held:
     force, angle, end = (np.full(size, np.nan) for size in (count, count, (count, 3)))
     arms = shape.arm_supports - 1
     force[arms], angle[arms], end[arms] = shape.arm_forces, shape.arm_angles, shape.arm_ends
+    end[:, 0] -= shape.support_x
     return Held(force[rows], angle[rows], end[rows], shape.contact_preloads[rows])
 
 
@@ -105,9 +154,11 @@ def suspension_grounds(line: Line, mesh: Mesh, free_height: Array) -> Grounds:
     """Return the springs of the suspensions, slack at given heights ``(n_suspension,)`` [m]."""
     pieces = line.suspensions
     zeros = np.zeros(len(pieces))
-    return Grounds(
-        mesh.nodes(piece.at for piece in pieces),
+    nodes = mesh.nodes(piece.at for piece in pieces)
+    grounds = Grounds(
+        nodes,
         along_axes(zeros, np.array([piece.stiffness for piece in pieces])),
         along_axes(zeros, np.array([piece.damping for piece in pieces])),
         np.column_stack([zeros, zeros, free_height]),
     )
+    return placed_grounds(grounds, mesh.frames[nodes])

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.numerics.elements.hermite import local_coordinate, position_row
 from tautwire.numerics.network.system import System
+from tautwire.numerics.track import Frames, Track
 from tautwire.specs.conditions.condition import Condition
 from tautwire.text import Told
 
@@ -27,7 +30,8 @@ class WireShape:
     s : (n,) m
         Their place along the track.
     position, slope : (n, 3) m, 1
-        Coordinates, and their derivatives along the unstrained wire.
+        Coordinates in the frame of the track (along it from support 1, lateral, above the rails),
+        and their derivatives along the unstrained wire.
     lengths : (n - 1,) m
         Unstrained lengths of its elements.
     """
@@ -45,11 +49,80 @@ class WireShape:
         found = np.searchsorted(self.s, s, side="right") - 1
         return np.clip(found, 0, len(self.lengths) - 1)
 
-    def dofs(self, element: NDArray[np.int64], direction: int) -> NDArray[np.int64]:
-        """Return the coordinates (r1, r1', r2, r2') of some elements in a direction, ``(n, 4)``."""
-        left, right = self.nodes[element], self.nodes[element + 1]
-        ends = [6 * left, 6 * left + 3, 6 * right, 6 * right + 3]
-        return np.stack(ends, axis=-1) + direction
+    def dofs(self, element: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the degrees of freedom of r1, r1', r2, r2' of some elements, ``(n, 4, 3)``."""
+        ends = np.stack([self.nodes[element], self.nodes[element + 1]], axis=-1)
+        return (6 * ends[..., None] + np.arange(6)).reshape(*np.shape(element), 4, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class WirePoints:
+    """Points of wires where they pass through planes across the track.
+
+    Attributes
+    ----------
+    s : (n_point,) m
+        Places along the track.
+    frames : Frames
+        Of the track there.
+    dofs : (n_point, 4, 3)
+        Degrees of freedom of r1, r1', r2, r2' of the element that each point lies in.
+    rows : (n_point, 4)
+        Hermite row of each point: ``r = row @ (r1, r1', r2, r2')``.
+    """
+
+    s: Array
+    frames: Frames
+    dofs: NDArray[np.int64]
+    rows: Array
+
+    @classmethod
+    def joined(cls, groups: Sequence[WirePoints]) -> WirePoints:
+        """Return the points of some groups as one."""
+        s, dofs, rows = (
+            np.concatenate([getattr(g, name) for g in groups]) for name in ("s", "dofs", "rows")
+        )
+        origin, axes = (
+            np.concatenate([getattr(g.frames, name) for g in groups]) for name in ("origin", "axes")
+        )
+        return cls(s, Frames(origin, axes), dofs, rows)
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbouring points that are evenly spaced [m]."""
+        return float(self.s[1] - self.s[0])
+
+    def values(self, vectors: Array, direction: int = 2) -> Array:
+        """Return displacements, such as a mode shape, at the points in a direction of the track.
+
+        Parameters
+        ----------
+        vectors : (..., n_dof)
+        direction
+            0 along the track, 1 lateral, 2 normal to the plane of the rails.
+
+        Returns
+        -------
+        (..., n_point)
+        """
+        axes = self.frames.axes[:, direction]
+        return np.einsum("...pki,pk,pi->...p", vectors[..., self.dofs], self.rows, axes)
+
+    def heights(self, position: Array) -> Array:
+        """Return the heights of the points above the rails, ``(n_point,)`` [m].
+
+        Parameters
+        ----------
+        position : (n_dof,)
+            Nodal coordinates.
+        """
+        rails = np.sum(self.frames.axes[:, 2] * self.frames.origin, axis=1)
+        return self.values(position) - rails
+
+    @property
+    def press(self) -> Array:
+        """What a unit force away from the rails puts on ``dofs``, ``(n_point, 4, 3)``."""
+        return self.rows[..., None] * self.frames.axes[:, None, 2]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,8 +134,11 @@ class Equilibrium(Told):
 
     Attributes
     ----------
+    track : Track
+        The alignment, in whose frames heights and lateral positions are told.
     position : (n_dof,) m
-        Nodal coordinates, node by node ``x y z x' y' z'``.
+        Nodal coordinates, node by node ``x y z x' y' z'``: those of the track where it is straight
+        and level; in space otherwise, the track starting along x.
     node_s : (n_node,) m
         Place of each node along the track.
     node_wire : (n_node,)
@@ -94,11 +170,11 @@ class Equilibrium(Told):
     arm_angles : (n_arm,) rad
         Inclination of the arms, positive when the far end is above the wire.
     arm_ends : (n_arm, 3) m
-        Far (hinged) ends of the arms.
+        Far (hinged) ends of the arms: along the track, lateral, above the rails.
     suspension_free_heights : (n_suspension,) m
         Height at which the springs that carry messenger wires are slack.
     joint_pulls : (n_joint, 3) N
-        Force of each joint of two wires on the one that holds the other.
+        Force in space of each joint of two wires on the one that holds the other.
     end_pulls : (2, n_wire) N
         Longitudinal force on the left and the right end of every wire.
     weight, reaction : float N
@@ -109,6 +185,7 @@ class Equilibrium(Told):
         What the condition made of the line; None for the design, and for what was read from a file.
     """
 
+    track: Track
     position: Array
     node_s: Array
     node_wire: NDArray[np.int64]
@@ -164,7 +241,7 @@ class Equilibrium(Told):
     @cached_property
     def wires(self) -> tuple[WireShape, ...]:
         """All wires, in the order of ``wire_names``."""
-        r = self.position.reshape(-1, 2, 3)
+        r = self.in_track_frame(self.position)
         counts = np.bincount(self.node_wire, minlength=len(self.wire_names))
         elements = np.split(self.cable_lengths, np.cumsum(counts - 1)[:-1])
         found = []
@@ -176,6 +253,13 @@ class Equilibrium(Told):
             )
         return tuple(found)
 
+    def in_track_frame(self, position: Array) -> Array:
+        """Return nodal coordinates and slopes in the frame of the track, ``(n_node, 2, 3)``."""
+        r, frames = position.reshape(-1, 2, 3), self.track.frames(self.node_s)
+        local = np.stack([frames.to_local(r[:, 0]), frames.components(r[:, 1])], axis=1)
+        local[:, 0, 0] += self.node_s
+        return local
+
     def wire(self, name: str) -> WireShape:
         """Return the wire of a name.
 
@@ -185,6 +269,16 @@ class Equilibrium(Told):
             When the line has no such wire.
         """
         return self.wires[self.wire_names.index(name)] if name in self.wire_names else _no(name)
+
+    def points(self, wire: WireShape, s: Array) -> WirePoints:
+        """Return the points of a wire at some places, ``(n_point,)`` [m]."""
+        element, frames = wire.element(s), self.track.frames(s)
+        dofs, lengths = wire.dofs(element), wire.lengths[element]
+        e = self.position[dofs]
+        e[:, ::2] -= frames.origin[:, None]
+        along = np.einsum("pki,pi->pk", e, frames.axes[:, 0])
+        rows = position_row(local_coordinate(along, lengths, 0.0), lengths)
+        return WirePoints(s, frames, dofs, rows)
 
     def of_role(self, role: str) -> tuple[WireShape, ...]:
         """Return the wires with a role."""
@@ -205,12 +299,12 @@ class Equilibrium(Told):
 
     @property
     def contact_position(self) -> Array:
-        """Coordinates of the first contact wire, ``(n, 3)`` [m]."""
+        """Coordinates of the first contact wire in the frame of the track, ``(n, 3)`` [m]."""
         return self.contact.position
 
     @property
     def messenger_position(self) -> Array:
-        """Coordinates of the first messenger wire, ``(n, 3)``; empty without one [m]."""
+        """The same of the first messenger wire, ``(n, 3)``; empty without one [m]."""
         found = self.of_role("messenger")
         return found[0].position if found else np.empty((0, 3))
 

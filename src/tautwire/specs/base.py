@@ -103,6 +103,9 @@ class Spec(BaseModel):
     table_columns: ClassVar[tuple[str, ...]] = ()
     """Lists that ``table`` may give in a mapping of this spec, as columns of a CSV file."""
 
+    optional_columns: ClassVar[tuple[str, ...]] = ()
+    """Those of them that a table may lack."""
+
     def with_(self, **changes: Any) -> Self:
         """Return a validated copy with some fields changed.
 

@@ -17,6 +17,7 @@ from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
 from tautwire.specs.line.support import Supports
 from tautwire.specs.line.tension import Overlap, TensionLength
+from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
@@ -58,6 +59,11 @@ class Case(Told, Spec):
         default="", description="One line for the report."
     )
     description: str = Field(default="", description="Free text for the report.")
+    track: TrackInput = Field(
+        default=Track(),
+        description="The track: a list of straights, transitions and arcs, columns over the "
+        "chainage, a profile of gradients; straight and level if left out.",
+    )
     line: Line = Field(description="Spans, wire ends and damping.")
     wires: Wires = Field(description="The wires.")
     supports: Supports = Field(description="Where and how the wires are held.")

@@ -14,6 +14,7 @@ from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import check_irregularities
 from tautwire.specs.line.support import Supports
 from tautwire.specs.line.tension import Overlap, TensionLength
+from tautwire.specs.line.track import check_track
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
 from tautwire.specs.scenario import Scenario
@@ -455,6 +456,7 @@ def check_tension_lengths(
 Check = Callable[..., list[Problem]]
 CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "supports"), check_support_lists),
+    (("line", "track", "pantographs"), check_track),
     (("line", "droppers"), check_droppers),
     (("line", "tension_lengths", "overlaps"), check_tension_lengths),
     (("wires", "supports", "droppers"), check_dropper_wires),

@@ -23,7 +23,7 @@ Coordinate = float | int | str
 SAMPLE, CASE = "sample", "case"
 
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_RESERVED = frozenset(columns.NAMES) | {CASE, SAMPLE, "status", "reason", "key", "backend"}
+_RESERVED = frozenset({*columns.NAMES, *columns.TEXTS, CASE, SAMPLE})
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,14 @@ COST = (
     Quantity("wall_s", "s", "time that the case took"),
     Quantity("peak_memory_mb", "MB", "largest memory its worker had used until then"),
 )
+TEXTS = {
+    "status": "done, failed, refused (by validation) or missing",
+    "reason": "why the case failed",
+    "key": "what identifies the result: input, version, what is computed",
+    "backend": "kernels that computed the case",
+    "marked": "figures that mesh and time step do not carry",
+    "warnings": "what to know before the numbers are used, such as what is outside the model",
+}
 KNOWN = (*PER_FILTER, STD, *PER_PANTOGRAPH, *PER_CASE)
 NAMES = (*(item.name for item in (*KNOWN, *COST)), PANTOGRAPH, FILTER, BAND)
 """Names that no axis may have."""

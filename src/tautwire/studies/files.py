@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tautwire.results.files import write_bytes, write_text
+from tautwire.files import write_bytes, write_text
 from tautwire.studies.table import StudyTable, Variable
 from tautwire.version import __version__
 

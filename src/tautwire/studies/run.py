@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tautwire.errors import InputError
+from tautwire.files import FolderLock
 from tautwire.specs.study import Study
 from tautwire.studies.execution.executor import Event, Executor, LocalWorkers
 from tautwire.studies.execution.task import FAILED, STANDARD_TASK, Job
 from tautwire.studies.plan import WHOLE, Plan, Shard, pending, plan_study
-from tautwire.studies.store import FolderLock, Store
+from tautwire.studies.store import Store
 from tautwire.studies.table import StudyTable, collect
 
 _PULSE = 0.2

@@ -22,13 +22,8 @@ from tautwire.studies.store import Row, Store
 from tautwire.text import csv_text
 
 REFUSED, MISSING = "refused", "missing"
-_TEXTS = {
-    "status": "done, failed, refused (by validation) or missing",
-    "reason": "why the case failed",
-    "key": "what identifies the result: input, version, what is computed",
-    "backend": "kernels that computed the case",
-    "marked": "figures that mesh and time step do not carry",
-}
+_OWN_TEXTS = tuple(columns.TEXTS)[3:]
+"""Texts that the computation of a case gives."""
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -49,15 +44,15 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Failure(Plain):
-    """Cases that failed for the same reason (numbers in it aside).
+class Alike(Plain):
+    """Cases of which the same is to be said (numbers in it aside).
 
     Attributes
     ----------
     status : str
-        ``"failed"`` or ``"refused"``.
+        ``"done"``, ``"failed"`` or ``"refused"``.
     reason : str
-        As the first of them says it.
+        Why they failed, or what to know of their numbers, as the first of them says it.
     cases : tuple of int
         Their numbers, from 1.
     """
@@ -83,10 +78,10 @@ class StudyTable:
         Names along pantograph, filter and band.
     variables : mapping of str to Variable
         Numbers; NaN where a case has none.
-    status, reason, key, backend, marked : arrays of str over the dimensions
+    status, reason, key, backend, marked, warnings : arrays of str over the dimensions
         ``"done"``, ``"failed"``, ``"refused"`` (by validation) or ``"missing"`` (not computed);
         why; what identifies the result; the kernels that computed it; the columns whose figures
-        mesh and time step do not carry.
+        mesh and time step do not carry; what to know before its numbers are used.
     """
 
     study: Study
@@ -98,6 +93,7 @@ class StudyTable:
     key: NDArray[np.object_]
     backend: NDArray[np.object_]
     marked: NDArray[np.object_]
+    warnings: NDArray[np.object_]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -143,18 +139,25 @@ class StudyTable:
             raise InputError(f"the table holds no {name!r}; it holds: {', '.join(self.variables)}")
         return self.variables[name]
 
-    def failures(self) -> tuple[Failure, ...]:
+    def failures(self) -> tuple[Alike, ...]:
         """Return what failed, equal reasons together, the commonest first."""
+        return self._alike(self.reason, ("failed", REFUSED))
+
+    def warned(self) -> tuple[Alike, ...]:
+        """Return the warnings of what was done, equal ones together, the commonest first."""
+        return self._alike(self.warnings, ("done",))
+
+    def _alike(self, told: NDArray[np.object_], states: tuple[str, ...]) -> tuple[Alike, ...]:
         groups: dict[tuple[str, str], list[int]] = {}
         texts: dict[tuple[str, str], str] = {}
-        pairs = zip(self.status.ravel(), self.reason.ravel(), strict=True)
+        pairs = zip(self.status.ravel(), told.ravel(), strict=True)
         for number, (status, reason) in enumerate(pairs, 1):
-            if status in ("failed", REFUSED):
+            if reason and status in states:
                 group = (str(status), _NUMBERS.sub("#", str(reason)))
                 groups.setdefault(group, []).append(number)
                 texts.setdefault(group, str(reason))
         order = sorted(groups, key=lambda group: (-len(groups[group]), groups[group]))
-        return tuple(Failure(group[0], texts[group], tuple(groups[group])) for group in order)
+        return tuple(Alike(group[0], texts[group], tuple(groups[group])) for group in order)
 
     def coordinates(self) -> dict[str, Variable]:
         """Return the values of the axes over their dimension, by short name."""
@@ -171,7 +174,7 @@ class StudyTable:
         """Return one row per case as CSV; units stand in the headers."""
         flat = list(self._flat())
         axes = [_headed(axis.name, axis.unit) for axis in self.axes]
-        head = ["case", *axes, *_TEXTS, *(head for head, _ in flat)]
+        head = ["case", *axes, *columns.TEXTS, *(head for head, _ in flat)]
         rows = []
         for number, index in enumerate(np.ndindex(*self.status.shape)):
             values = [_cell(column[number]) for _, column in flat]
@@ -180,7 +183,7 @@ class StudyTable:
         return csv_text(head, rows)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return one plain mapping per case for JSON: axes, status, reason, key, numbers."""
+        """Return one plain mapping per case for JSON: axes, texts, numbers."""
         flat = list(self._flat())
         found = []
         for number, index in enumerate(np.ndindex(*self.status.shape)):
@@ -237,12 +240,12 @@ class StudyTable:
 
     def _texts(self) -> dict[str, Variable]:
         return {
-            name: Variable(Quantity(name, "1", _TEXTS[name]), self.names, values)
+            name: Variable(Quantity(name, "1", columns.TEXTS[name]), self.names, values)
             for name, values in self._told().items()
         }
 
     def _told(self) -> dict[str, NDArray[np.object_]]:
-        return {name: getattr(self, name) for name in _TEXTS}
+        return {name: getattr(self, name) for name in columns.TEXTS}
 
     def content(self) -> tuple[dict[str, Variable], dict[str, Variable], dict[str, Any]]:
         """Return coordinates, variables and attributes as a netCDF file holds them."""
@@ -279,16 +282,13 @@ def collect(plan: Plan, store: Store) -> StudyTable:
         q.name: np.full((len(plan.points), *(len(labels[d]) for d in q.dimensions)), np.nan)
         for q in quantities
     }
-    texts = {name: np.full(len(plan.points), "", dtype=object) for name in _TEXTS}
+    texts = {name: np.full(len(plan.points), "", dtype=object) for name in columns.TEXTS}
     for at, point in enumerate(plan.points):
         row = rows.get(point.key)
         status = str(row["status"]) if row else REFUSED if point.problems else MISSING
         reason = str(row["reason"]) if row else "; ".join(point.problems)
-        backend, marks = (
-            str(row["values"].get(name, "")) if row else "" for name in ("backend", "marked")
-        )
-        told = (status, reason, point.key, backend, marks)
-        for name, text in zip(_TEXTS, told, strict=True):
+        own = [str(row["values"].get(name, "")) if row else "" for name in _OWN_TEXTS]
+        for name, text in zip(columns.TEXTS, (status, reason, point.key, *own), strict=True):
             texts[name][at] = text
         if row is not None:
             _fill(arrays, at, row, labels)

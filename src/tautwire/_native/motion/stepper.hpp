@@ -338,6 +338,7 @@ inline Outcome LineEngine::finish(const Chunk& chunk) {
             gaps_[n] = touches_[n].meets ? touches_[n].surface() - head : NAN;
             if (!(least <= gaps_[n]) && !std::isnan(gaps_[n])) least = gaps_[n];
         }
+        if (std::isnan(least)) return Outcome::off_the_line;  // no wire is within reach of the head
         chunk.refused_gap[i] = least;
         crosses |= !std::isnan(before) && (before < 0.0) != (least < 0.0);
     }

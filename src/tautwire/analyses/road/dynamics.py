@@ -137,7 +137,8 @@ class Simulation:
             ),
         )
         supports = model.mesh.nodes(at for _, at in model.line.contact_supports)
-        observed = 6 * supports + 2
+        self._supports = model.mesh.frames[supports]
+        observed = (6 * supports[:, None] + np.arange(3)).ravel()
         self.stepper: Stepper = make_stepper(
             system, self.passage.pantographs, options, observed, choices.backend or settings.backend
         )
@@ -156,6 +157,12 @@ class Simulation:
             reached = float(chunk.steps.time[-1]) if len(chunk.steps.time) else reached
             progress = Progress(reached, self.passage.duration, clock.perf_counter() - begin)
             yield Block(chunk.steps, chunk.coordinates, progress, chunk.crossings)
+
+    def support_heights(self, steps: Sequence[StepBlock]) -> Array:
+        """Return the heights of contact wires at supports, ``(n_time, n_support)`` [m]."""
+        count = len(self._supports.origin)
+        found = _join([s.observed for s in steps], (3 * count,)).reshape(-1, count, 3)
+        return self._supports.to_local(found)[..., 2]
 
     def _focus(self) -> tuple[float, float]:
         """Return when the first pantograph enters the analysed section and the last leaves it."""
@@ -283,8 +290,6 @@ def _collect(
     model, shape = simulation.model, simulation.shape
     steps = [b.steps for b in blocks]
     time = _join([s.time for s in steps], ())
-    supports = len(shape.support_x)
-    height = _join([s.observed for s in steps], (supports,))
     words = {Status.DONE: "done", Status.INTERRUPTED: "partial"}
     return Run(
         case=model.case,
@@ -293,7 +298,9 @@ def _collect(
         message=_message(status, time),
         time=time,
         pantographs=_records(simulation, steps, time),
-        support_uplift=(height - shape.support_heights).astype(np.float32),
+        support_uplift=(simulation.support_heights(steps) - shape.support_heights).astype(
+            np.float32
+        ),
         dropper_force=_join([s.dropper_force for s in steps], (len(shape.dropper_x),)).astype(
             np.float32
         ),
@@ -374,13 +381,17 @@ def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
     every = model.case.settings.store_shapes
     kept = [np.arange(len(s.s)) if every else _coarse(model, s) for s in model.mesh.strands]
     nodes = [strand.nodes[own] for strand, own in zip(model.mesh.strands, kept, strict=True)]
-    dofs = 6 * np.concatenate(nodes) + 2
+    chosen = np.concatenate(nodes)
+    frames = model.mesh.frames[chosen]
     states = [simulation.shape.position] + [b.coordinates for b in blocks]
     return Snapshots(
         time=np.array([0.0] + [b.progress.time for b in blocks]),
-        x=model.mesh.s[np.concatenate(nodes)],
+        x=model.mesh.s[chosen],
         wire=np.repeat(np.arange(len(nodes)), [len(own) for own in nodes]),
-        z=np.array([q[dofs] for q in states], dtype=np.float32),
+        z=np.array(
+            [frames.to_local(q.reshape(-1, 6)[chosen, :3])[:, 2] for q in states],
+            dtype=np.float32,
+        ),
     )
 
 

@@ -14,10 +14,9 @@ from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.measures import droppers_of_spans
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.statics.loaded_line import LoadedLine
 from tautwire.numerics.statics.window import Push, Window
-from tautwire.results.equilibrium import Elasticity, Equilibrium
+from tautwire.results.equilibrium import Elasticity, Equilibrium, WirePoints
 from tautwire.status import Status
 
 Array = NDArray[np.float64]
@@ -136,18 +135,16 @@ def _points(model: Model) -> list[_Point]:
 def _push(shape: Equilibrium, x: float, force: float) -> Push:
     """Return the push of a head on the wires it touches: the lowest and those at its height."""
     level = float(shape.running_height(np.array(x)))
-    dofs, rows = [], []
-    for wire in shape.of_role("contact"):
-        if not wire.s[0] <= x <= wire.s[-1]:
-            continue
-        element = wire.element(np.array(x))
-        xi = (x - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
-        row = position_row(xi, wire.lengths[element])
-        own = wire.dofs(element, 2)
-        if row @ shape.position[own] <= level + TOGETHER:
-            dofs.append(own)
-            rows.append(row)
-    return Push(np.array(dofs), np.array(rows), force)
+    points = [
+        shape.points(wire, np.array([x]))
+        for wire in shape.of_role("contact")
+        if wire.s[0] <= x <= wire.s[-1]
+    ]
+    touched = WirePoints.joined(
+        [point for point in points if point.heights(shape.position)[0] <= level + TOGETHER]
+    )
+    count = len(touched.s)
+    return Push(touched.dofs.reshape(count, 12), touched.press.reshape(count, 12), force)
 
 
 def _flexibilities(

@@ -13,7 +13,7 @@ from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.defects import Placed, placed
 from tautwire.model.build import Model
-from tautwire.model.equations import anchored_ends, at_rest
+from tautwire.model.equations import anchored_ends, at_rest, is_held
 from tautwire.model.operation.defects import lumps, with_defects, without_broken
 from tautwire.model.operation.devices import (
     EndState,
@@ -156,7 +156,7 @@ def _design_pull(design: Equilibrium, end: WireEnd) -> float:
 
 def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
     """Let everything that holds the wires swing along the track, but for their ends."""
-    tangent = np.tile([1.0, 0.0, 0.0], (model.mesh.node_count, 1))
+    tangent = model.mesh.frames.axes[:, 0].copy()
     tangent[[end.node for end in ends]] = 0.0
     return Swing(tangent[system.stays.node], tangent[system.grounds.node])
 
@@ -190,8 +190,7 @@ def _equilibrium(
 ) -> Equilibrium:
     """Read lengths, forces and positions from the line under a condition."""
     system = settled.system
-    r = system.position.reshape(-1, 6)[:, :3]
-    ties = system.ties
+    ties, heights = system.ties, model.mesh.heights(system.position)
     nodes = model.mesh.nodes(at for _, at in model.line.contact_supports)
     before = at_rest(model, design, anchored_ends(model))
     shape = replace(
@@ -201,8 +200,8 @@ def _equilibrium(
         dropper_lengths_unstrained=ties.length,
         dropper_lengths=ties.state(system.position).length,
         dropper_forces=tie_axial_force(system, system.position),
-        dropper_heights=r[ties.nodes[:, 1], 2],
-        support_heights=r[nodes, 2],
+        dropper_heights=heights[ties.nodes[:, 1]],
+        support_heights=heights[nodes],
         **_held(model, design, system),
         joint_pulls=_joint_pulls(model, system),
         weight=design.weight - float((system.load - before.load)[2::6].sum()),
@@ -226,37 +225,47 @@ def _held(model: Model, design: Equilibrium, system: System) -> dict[str, Array]
     """Return how arms and springs hold the contact wires."""
     nodes = model.mesh.nodes(at for _, at in model.line.contact_supports)
     arms = nodes[design.arm_supports - 1]
-    force, end = _arms(design, system, arms)
-    apart = end - system.position.reshape(-1, 6)[arms, :3]
-    springs = np.zeros(system.node_count)
-    np.add.at(springs, system.grounds.node, system.grounds.pull(system.position)[:, 2])
+    force, end, apart = _arms(model, design, system, arms)
+    springs = np.zeros((system.node_count, 3))
+    np.add.at(springs, system.grounds.node, system.grounds.pull(system.position))
+    upward = model.mesh.frames.components(springs)[nodes, 2]
     is_spring = design.contact_preloads != 0.0
     return {
-        "contact_preloads": design.contact_preloads - np.where(is_spring, springs[nodes], 0.0),
+        "contact_preloads": design.contact_preloads - np.where(is_spring, upward, 0.0),
         "arm_forces": force,
         "arm_angles": np.arctan2(apart[:, 2], np.abs(apart[:, 1])),
         "arm_ends": end,
     }
 
 
-def _arms(design: Equilibrium, system: System, nodes: Any) -> tuple[Array, Array]:
-    """Return forces and far ends of the arms; an arm that is no longer there carries nothing.
+def _arms(
+    model: Model, design: Equilibrium, system: System, nodes: Any
+) -> tuple[Array, Array, Array]:
+    """Return forces and far ends of the arms, and their ends as seen from the wires.
 
-    An arm that acts as a vertical spring pulls sideways as much as holds its wire there.
+    An arm that is no longer there carries nothing. One that acts as a vertical spring pulls
+    sideways as much as holds its wire there.
     """
-    r, stays = system.position.reshape(-1, 6)[:, :3], system.stays
+    frames, stays = model.mesh.frames[nodes], system.stays
+    wire, before = (
+        frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
+    )
     axial = stays.axial_force(stays.state(system.position).length)
     rows = {int(node): row for row, node in enumerate(stays.node)}
-    held = internal_force(system, system.position).nodal - system.load
-    force, end = np.zeros(len(nodes)), design.arm_ends.copy()
-    end[:, 0] += r[nodes, 0] - design.position[6 * nodes]
+    bare = system.with_(grounds=Grounds.none())
+    missing = internal_force(bare, system.position).nodal - system.load
+    lateral = frames.components(missing.reshape(-1, 6)[nodes, :3])[:, 1]
+    along = np.stack([model.mesh.s[nodes], *np.zeros((2, len(nodes)))], axis=1)
+    force, end = np.zeros(len(nodes)), design.arm_ends - along
+    end[:, 0] += wire[:, 0] - before[:, 0]
     for arm, node in enumerate(nodes.tolist()):
         if node in rows:
-            force[arm], end[arm] = axial[rows[node]], stays.end[rows[node]]
-        elif system.fixed[6 * node + 1]:
-            apart = end[arm] - r[node]
-            force[arm] = held[6 * node + 1] * np.hypot(apart[1], apart[2]) / apart[1]
-    return force, end
+            force[arm] = axial[rows[node]]
+            end[arm] = frames[arm].to_local(stays.end[rows[node]])
+        elif is_held(system, node, frames.axes[arm, 1]):
+            apart = end[arm] - wire[arm]
+            force[arm] = lateral[arm] * np.hypot(apart[1], apart[2]) / apart[1]
+    return force, end + along, end - wire
 
 
 def _supported(system: System) -> float:

@@ -64,7 +64,7 @@ def find_shape(model: Model) -> Equilibrium:
 def find_design(model: Model) -> Equilibrium:
     """Find coordinates, unstrained lengths and support data of the line as designed.
 
-    The longitudinal position of every wire node is given by the mesh, each wire's tension acts on
+    The place of every wire node along the track is given by the mesh, each wire's tension acts on
     its end; in height mode the dropper lengths follow from the pre-sag, in length mode the heights
     follow from the lengths (paper eqs. 6-7).
 
@@ -200,6 +200,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     held = held_registrations(line, mesh, system.position, form.reactions, model.case.line.gravity)
     _refuse_bad_arms(model, held)
     return Equilibrium(
+        track=line.track,
         position=system.position,
         cable_lengths=system.cables.length,
         **_wires(mesh),
@@ -241,7 +242,7 @@ def _droppers(model: Model, form: Form) -> dict[str, Any]:
         "dropper_lengths_unstrained": ties.length,
         "dropper_lengths": ties.state(position).length,
         "dropper_forces": np.maximum(_dropper_forces(form), 0.0),
-        "dropper_heights": position[6 * ties.nodes[:, 1] + 2],
+        "dropper_heights": model.mesh.heights(position)[ties.nodes[:, 1]],
     }
 
 
@@ -252,27 +253,30 @@ def _supports(model: Model, form: Form, held: Held) -> dict[str, Any]:
     rows = np.array(model.line.registration_rows, dtype=np.int64)
     preloads = np.zeros(len(places))
     preloads[rows] = held.preload
+    ends = held.end.copy()
+    ends[:, 0] += [piece.at.s for piece in model.line.registrations]
     arms = np.flatnonzero(~np.isnan(held.force))
     nodes = mesh.nodes(at for _, at in places)
     return {
         "support_number": np.array([label.number for label, _ in places], dtype=np.int64),
         "support_wire": np.array([number[at.run] for _, at in places], dtype=np.int64),
         "support_x": np.array([at.s for _, at in places]),
-        "support_heights": form.system.position[6 * nodes + 2],
+        "support_heights": model.mesh.heights(form.system.position)[nodes],
         "contact_preloads": preloads,
         "arm_supports": rows[arms] + 1,
         "arm_forces": held.force[arms],
         "arm_angles": held.angle[arms],
-        "arm_ends": held.end[arms],
+        "arm_ends": ends[arms],
     }
 
 
 def _free_heights(model: Model, form: Form) -> Array:
     """Return the heights at which the springs of the suspensions are slack [m]."""
     pieces = model.line.suspensions
-    dofs = 6 * model.mesh.nodes(piece.at for piece in pieces) + 2
+    nodes = model.mesh.nodes(piece.at for piece in pieces)
     stiffness = np.array([piece.stiffness for piece in pieces])
-    return form.system.position[dofs] + form.reactions[dofs] / stiffness
+    heights = model.mesh.heights(form.system.position)[nodes]
+    return heights + form.reactions[6 * nodes + 2] / stiffness
 
 
 def _end_pulls(mesh: Mesh, form: Form) -> Array:
@@ -289,13 +293,14 @@ def _joint_pulls(model: Model, form: Form) -> Array:
 
     Its share along the track was sought at the left end of a clamped wire and given at the right.
     """
-    pulls = form.system.clamps.pull(form.system.position)
+    frames = model.mesh.frames[form.system.clamps.nodes[:, 0]]
+    pulls = frames.components(form.system.clamps.pull(form.system.position))
     sought = iter(form.joint_pulls)
     for number, joint in enumerate(model.line.joints):
         run = model.line.by_name[joint.other.run]
         is_start = joint.other.s == run.start.s
         pulls[number, 0] = next(sought) if is_start else -run.wire.tension
-    return pulls
+    return frames.turned(pulls)
 
 
 def _refuse_bad_arms(model: Model, held: Held) -> None:
@@ -329,15 +334,26 @@ def _weight(model: Model, form: Form) -> float:
     return mass * gravity + sum(carried)
 
 
+def _pulls(model: Model, form: Form, held: Held) -> Array:
+    """Return what arms and springs exert on the contact wires, in the frames of the track [N]."""
+    mesh, pieces = model.mesh, model.line.registrations
+    nodes = mesh.nodes(piece.at for piece in pieces)
+    wire = mesh.frames[nodes].to_local(form.system.position.reshape(-1, 6)[nodes, :3])
+    offset = held.end - wire
+    arm = offset * (held.force / np.linalg.norm(offset, axis=1))[:, None]
+    return np.where(np.isnan(held.force)[:, None], form.reactions.reshape(-1, 6)[nodes, :3], arm)
+
+
 def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     """Return the sum of the vertical forces from anchors, springs and far ends of the arms [N]."""
     mesh, line, gravity = model.mesh, model.line, model.case.line.gravity
-    upward = form.reactions[2::6]
-    ends = [s.nodes[[0, -1]] for s in mesh.strands if s.run.start.kind != "clamped"]
-    total = float(upward[np.concatenate(ends)].sum())
-    total += float(upward[mesh.nodes(piece.at for piece in line.suspensions)].sum())
-    total += float(np.nansum(held.preload))
-    arms = ~np.isnan(held.force)
-    total += float((held.force[arms] * np.sin(held.angle[arms])).sum())
+    vertical = mesh.frames.turned(form.reactions.reshape(-1, 6)[:, :3])[:, 2]
+    whole = [strand for strand in mesh.strands if strand.run.start.kind != "clamped"]
+    total = float(vertical[np.concatenate([strand.nodes[[0, -1]] for strand in whole])].sum())
+    tensions = np.array([strand.run.wire.tension for strand in whole])
+    total += float(tensions @ mesh.frames.axes[[strand.nodes[-1] for strand in whole], 0, 2])
+    total += float(vertical[mesh.nodes(piece.at for piece in line.suspensions)].sum())
+    frames = mesh.frames[mesh.nodes(piece.at for piece in line.registrations)]
+    total += float(np.nansum(frames.turned(_pulls(model, form, held))[:, 2]))
     weights = np.array([piece.kind.carried_weight(gravity) for piece in line.registrations])
     return total + 0.5 * float(weights.sum())

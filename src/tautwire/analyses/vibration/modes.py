@@ -12,13 +12,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.vibration.contact_wire import EvenPoints, even_points, wavenumber_spectrum
+from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spectrum
 from tautwire.errors import ConvergenceError, InputError
 from tautwire.line.measures import contact_mass
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.vibration.eigen import Pairs, Vibration
-from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.equilibrium import Equilibrium, WirePoints
 from tautwire.results.modes import Modes, ModeWire
 from tautwire.signals.spectra import Spectrum
 
@@ -296,7 +296,9 @@ def _slice(vibration: Vibration, low: float, high: float, number: int) -> Pairs:
 def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs) -> Modes:
     """Describe found modes: shapes, energy shares, wavelengths, checks."""
     points = even_points(shape)
+    axes = shape.track.frames(shape.node_s).axes
     nodes = pairs.vectors.reshape(len(pairs.values), vibration.size // 6, 2, 3)
+    nodes = np.einsum("nij,mnaj->mnai", axes, nodes)
     contact = [number for number, role in enumerate(shape.wire_roles) if role == "contact"]
     group = np.tile(np.arange(3), vibration.size // 3)
     group += 3 * np.repeat(~np.isin(shape.node_wire, contact), 6)
@@ -307,9 +309,9 @@ def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs
         case_hash=model.case.hash(),
         frequencies=omega / (2.0 * math.pi),
         wires=tuple(ModeWire(wire.name, wire.s, nodes[:, wire.nodes, 0]) for wire in shape.wires),
-        x=points.x,
+        x=points.s,
         contact_z=contact_z,
-        shares=vibration.energy_shares(pairs.vectors, group),
+        shares=vibration.energy_shares(pairs.vectors, group, axes),
         wavelengths=_dominant_wavelengths(contact_z, points),
         residuals=pairs.residuals,
         orthogonality=vibration.orthogonality(pairs.vectors),
@@ -317,7 +319,7 @@ def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs
     )
 
 
-def _dominant_wavelengths(contact_z: Array, points: EvenPoints) -> Array:
+def _dominant_wavelengths(contact_z: Array, points: WirePoints) -> Array:
     found = np.full(len(contact_z), np.nan)
     for number, values in enumerate(contact_z):
         spectrum = wavenumber_spectrum(values, points.spacing)

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from tautwire.errors import InputError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.numerics.elements.hermite import position_row
 from tautwire.numerics.vibration.harmonic import HarmonicLine
 from tautwire.plain import Plain, named
 from tautwire.results.equilibrium import Equilibrium
@@ -292,10 +291,7 @@ def _middle_span(model: Model) -> Array:
 
 
 def _unit_force(shape: Equilibrium, position: float) -> Array:
-    """Return a vertical unit force on the contact wire as nodal loads, ``(n_dof,)``."""
-    wire = shape.contact
-    element = wire.element(np.array(position))
-    xi = (position - wire.s[element]) / (wire.s[element + 1] - wire.s[element])
-    load = np.zeros(len(shape.position))
-    load[wire.dofs(element, 2)] = position_row(xi, wire.lengths[element])
+    """Return a unit force of a head on the contact wire as nodal loads, ``(n_dof,)``."""
+    point, load = shape.points(shape.contact, np.array([position])), np.zeros(len(shape.position))
+    load[point.dofs] = point.press
     return load

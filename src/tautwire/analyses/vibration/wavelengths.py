@@ -161,7 +161,7 @@ def presag_spectrum(
     points = even_points(
         shape, start=float(shape.support_x[first - 1]), end=float(shape.support_x[last])
     )
-    heights = points.values(shape.position)
+    heights = points.heights(shape.position)
     return wavenumber_spectrum(heights, points.spacing, window, density=density)
 
 

@@ -13,10 +13,10 @@ from tautwire.assessment.limits import (
     limits_text,
     load_limits,
 )
-from tautwire.catalogue.entries import write_whole
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 
 
 def show_limits(answer: Answer, file: Path | None) -> None:
@@ -38,7 +38,7 @@ def copy_limits(answer: Answer, path: Path, *, force: bool) -> None:
         raise InputError(f"{path}: the copy is YAML; choose a name that ends in .yaml")
     if path.is_dir() or (path.exists() and not force):
         raise InputError(f"{path}: exists already; choose another name, or --force")
-    write_whole(path, limits_text())
+    write_text(path, limits_text())
     answer.document["file"] = str(path)
     answer.show(
         f"{path} written. Compare each limit with your copy of the standard, correct it, and set "

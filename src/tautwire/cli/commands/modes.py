@@ -26,11 +26,11 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.pages.mode_page import write_modes_report
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.files import write_text
 from tautwire.results.modes import Modes
 from tautwire.specs.case import Case
 from tautwire.units import UnitError, parse_quantity

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tautwire.catalogue.entries import write_whole
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.inputs.completion import shelf_with
 from tautwire.inputs.load import load_case
 from tautwire.inputs.own_line import Choice, Wish, as_text, template, written
@@ -55,7 +55,7 @@ def write_new(answer: Answer, path: Path, answers: Answers, *, force: bool) -> N
     if answers == Answers() and sys.stdin.isatty() and not answer.as_json:
         answers = _asked(answer)
     choices = template(wish_of(path, answers))
-    write_whole(path, as_text(choices))
+    write_text(path, as_text(choices))
     case = load_case(path)
     answer.document.update(
         {"file": str(path), "case": case.name, "choices": [_as_data(c) for c in choices]}

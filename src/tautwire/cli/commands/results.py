@@ -18,9 +18,9 @@ from tautwire.cli.session import Answer
 from tautwire.cli.views.run_view import QUANTITIES
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.inputs.measured import read_measured
 from tautwire.report.parts.words import MISSING, number, readable
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import load_elasticity, load_run
 from tautwire.text import csv_text

@@ -24,13 +24,13 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import size
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
 from tautwire.results.equilibrium import Elasticity
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
 from tautwire.specs.case import Case

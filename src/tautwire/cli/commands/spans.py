@@ -12,8 +12,8 @@ from tautwire.assessment.gauge import gauge_head, gauge_rule
 from tautwire.assessment.span_table import SpanRow, span_table
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading, table
+from tautwire.files import write_text
 from tautwire.formulas.lateral import LongestSpan
-from tautwire.results.files import write_text
 from tautwire.specs.span_table import GaugeRule, SpanTable
 from tautwire.text import csv_text
 from tautwire.version import __version__

@@ -20,11 +20,11 @@ from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
+from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.equilibrium import Elasticity, Equilibrium
-from tautwire.results.files import write_text
 from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case
 from tautwire.text import csv_text

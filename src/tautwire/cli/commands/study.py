@@ -21,11 +21,11 @@ from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
 from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.tables import facts, files_written, heading, table
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
 from tautwire.report.parts.words import number
-from tautwire.results.files import write_text
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import WHOLE, Plan, plan_study
@@ -212,6 +212,7 @@ def _document(
         "elapsed_s": elapsed,
         "cpu_per_case_s": _mean(found, "cpu_s"),
         "failures": [failure.as_dict() for failure in found.failures()],
+        "warned": [warned.as_dict() for warned in found.warned()],
         "axes": [
             {
                 "name": axis.name,
@@ -247,10 +248,10 @@ def _view(found: StudyTable, last: StudyProgress | None, elapsed: float) -> list
             ]
         ),
     ]
-    failures = found.failures()
-    if failures:
-        rows = [(str(len(f.cases)), f.status, f.reason) for f in failures]
-        parts += [heading("Without a result"), table(("cases", "", "reason"), "rlL", rows)]
+    for title, alike in (("Without a result", found.failures()), ("Warnings", found.warned())):
+        if alike:
+            rows = [(str(len(one.cases)), one.status, one.reason) for one in alike]
+            parts += [heading(title), table(("cases", "", "reason"), "rlL", rows)]
     if "std" in found.variables:
         parts += [heading("Cases", _window(found)), _case_table(found)]
     return parts

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tautwire.catalogue.entries import write_whole
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.inputs.recording import RecordingFile
 from tautwire.inputs.workbook import Workbook, case_of, is_workbook, open_workbook
 from tautwire.measured.channels import Channel
@@ -37,7 +37,7 @@ def announce_workbook(answer: Answer, reference: str) -> None:
 
 def _keep(answer: Answer, workbook: Workbook) -> None:
     if workbook.is_proposed:
-        write_whole(workbook.mapping_file, workbook.mapping_text())
+        write_text(workbook.mapping_file, workbook.mapping_text())
         answer.say(f"mapping written: {workbook.mapping_file}; change it if a column is misread")
     else:
         answer.say(f"columns read as {workbook.mapping_file} says")
@@ -59,7 +59,7 @@ def announce_recording(answer: Answer, opened: RecordingFile) -> None:
         answer.say(f"columns read as {opened.mapping_file} says")
         return
     try:
-        write_whole(opened.mapping_file, opened.mapping_text())
+        write_text(opened.mapping_file, opened.mapping_text())
     except InputError as error:
         answer.say(f"the mapping is not kept: {error}")
     else:

@@ -165,7 +165,7 @@ def read_columns(path: Path, columns: Sequence[Column]) -> Columns:
     path
         CSV file.
     columns
-        All of them are needed.
+        Those that the table may or must have.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def read_columns(path: Path, columns: Sequence[Column]) -> Columns:
         Naming line and column of everything that is wrong.
     """
     table = read_table(path, columns, most_rows=MOST_ROWS)
-    values = {column.name: table.full_column(column.name) for column in columns}
+    values = {name: table.full_column(name) for name in table.columns}
     table.raise_problems()
     return Columns(values, {name: partial(table.cell, name=name) for name in values})
 

@@ -88,7 +88,8 @@ def _displaced(model: Model, system: System, defects: Placed) -> System:
     for number, lateral, vertical in defects.shifts:
         pieces = (*line.registrations, *line.suspensions)
         nodes = mesh.nodes(piece.at for piece in pieces if piece.label.number == number)
-        shift[nodes] += lateral * np.array([0.0, 1.0, 0.0]) + vertical * np.array([0.0, 0.0, 1.0])
+        axes = mesh.frames.axes[nodes]
+        shift[nodes] += lateral * axes[:, 1] + vertical * axes[:, 2]
     position = system.position.copy().reshape(-1, 6)
     position[:, :3] += shift
     stays, grounds = system.stays, system.grounds

@@ -133,7 +133,7 @@ def ends_of_wires(model: Model, condition: Condition | None = None) -> list[Wire
                     strand=number,
                     side=side,
                     node=node,
-                    outward=np.array([1.0 if side else -1.0, 0.0, 0.0]),
+                    outward=(1.0 if side else -1.0) * model.mesh.frames.axes[node, 0],
                     tension=run.wire.tension if given is None else given,
                     is_anchored=end.kind == "anchored",
                     is_let_go=let_go and side == 1,

@@ -67,7 +67,9 @@ def reweighed(before: System, after: System, lumps: Array, gravity: float) -> Sy
 
 def _across(model: Model) -> Array:
     """Return the horizontal normal of the track at every node, to the left, ``(n_node, 3)``."""
-    return np.tile([0.0, 1.0, 0.0], (model.mesh.node_count, 1))
+    t = model.mesh.frames.axes[:, 0]
+    level = np.stack([-t[:, 1], t[:, 0], np.zeros(len(t))], axis=1)
+    return level / np.linalg.norm(level, axis=1, keepdims=True)
 
 
 def _wires(model: Model, system: System, condition: Condition) -> tuple[Cables, Array]:

@@ -1,8 +1,10 @@
 """Where the pantograph touches the contact wire, and the unilateral penalty law (paper eq. 9).
 
-The force is vertical and acts at the point of the wire whose x equals the pantograph's x. With
-``x(xi) = x_p`` the height of that point is ``z(xi)``; its derivative with respect to the nodal
-coordinates includes the shift of the point, ``dz/de = S - (z'/x') S_x``.
+The pantograph stands in a plane across the track, through a point p and with the tangent t of the
+track as its normal; its head rises along b, the normal of the plane of the rails. The force acts
+along b at the point of the wire in that plane, ``(r(xi) - p) . t = 0``, whose height is
+``h = (r(xi) - p) . b``. The derivative of the height with respect to the nodal coordinates includes
+the shift of the point, ``dh/de = S (b - (r' . b / r' . t) t)``.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.elements.hermite import local_coordinate, position_row, slope_row
+from tautwire.numerics.track import Frames
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -29,24 +32,25 @@ class ContactPoint:
     xi : float
         Local coordinate in [0, 1].
     height, lateral : float m
-        z and y of the point.
-    dofs_x, dofs_z : (4,)
-        Degrees of freedom (r1, r1', r2, r2') in x and z.
+        Place of the point in the plane of contact.
+    dofs : (4, 3)
+        Degrees of freedom of r1, r1', r2 and r2'.
     row : (4,)
-        Hermite row S(xi): the vertical force F enters as ``row * F`` on ``dofs_z``.
-    slope : float
-        ``z'/x'`` at the point; the gradient of the height is ``row`` on ``dofs_z`` and
-        ``-slope * row`` on ``dofs_x``.
+        Hermite row S(xi).
+    push : (4, 3)
+        What a unit of contact force puts on ``dofs``.
+    gradient : (4, 3)
+        Derivative of the height with respect to ``dofs``.
     """
 
     element: int
     xi: float
     height: float
     lateral: float
-    dofs_x: Index
-    dofs_z: Index
+    dofs: Index
     row: Array
-    slope: float
+    push: Array
+    gradient: Array
 
 
 class ContactWirePath:
@@ -61,42 +65,49 @@ class ContactWirePath:
     """
 
     def __init__(self, nodes: Index, lengths: Array) -> None:
-        self._x_dofs = 6 * np.asarray(nodes)
+        self._nodes = np.asarray(nodes)
         self._lengths = np.asarray(lengths)
 
-    def locate(self, q: Array, x: float, hint: int = 0) -> ContactPoint | None:
-        """Return the point of the wire at longitudinal position ``x``; None when it is off.
+    def locate(self, q: Array, plane: Frames, hint: int = 0) -> ContactPoint | None:
+        """Return the point of the wire in a plane of contact; None when the wire ends before.
 
         Parameters
         ----------
         q : (n_dof,)
             Nodal coordinates.
-        x
-            Longitudinal position [m].
+        plane
+            Frame of the track at the pantograph.
         hint
             Element in which to start looking.
         """
-        element = self._find_element(q, x, hint)
+        r = q.reshape(-1, 2, 3)
+        element = self._find_element(r, plane, hint)
         if element is None:
             return None
         length = self._lengths[element]
-        left, right = self._x_dofs[element], self._x_dofs[element + 1]
-        dofs_x = np.array([left, left + 3, right, right + 3])
-        xi = float(local_coordinate(q[dofs_x], length, x))
+        ends = self._nodes[element : element + 2]
+        e = r[ends].reshape(4, 3).copy()
+        e[::2] -= plane.origin
+        local = e @ plane.axes.T
+        xi = float(local_coordinate(local[:, 0], length, 0.0))
         row, rate = position_row(xi, length), slope_row(xi, length)
-        dofs_z = dofs_x + 2
-        e_z = q[dofs_z]
-        slope = float(rate @ e_z) / float(rate @ q[dofs_x])
-        lateral = float(row @ q[dofs_x + 1])
-        return ContactPoint(element, xi, float(row @ e_z), lateral, dofs_x, dofs_z, row, slope)
+        _, lateral, height = (row @ local).tolist()
+        slope = float(rate @ local[:, 2]) / float(rate @ local[:, 0])
+        t, _, b = plane.axes
+        dofs = (6 * ends[:, None] + np.arange(6)).reshape(4, 3)
+        push, gradient = row[:, None] * b, row[:, None] * (b - slope * t)
+        return ContactPoint(element, xi, height, lateral, dofs, row, push, gradient)
 
-    def _find_element(self, q: Array, x: float, hint: int) -> int | None:
-        dofs = self._x_dofs
-        if not q[dofs[0]] <= x <= q[dofs[-1]]:
+    def _find_element(self, r: Array, plane: Frames, hint: int) -> int | None:
+        def ahead(station: int) -> float:
+            return float((r[self._nodes[station], 0] - plane.origin) @ plane.axes[0])
+
+        last = len(self._nodes) - 1
+        if not ahead(0) <= 0.0 <= ahead(last):
             return None
-        element = min(max(hint, 0), len(dofs) - 2)
-        while x < q[dofs[element]]:
+        element = min(max(hint, 0), last - 1)
+        while ahead(element) > 0.0:
             element -= 1
-        while element < len(dofs) - 2 and x >= q[dofs[element + 1]]:
+        while element < last - 1 and ahead(element + 1) <= 0.0:
             element += 1
         return element

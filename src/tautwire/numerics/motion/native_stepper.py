@@ -98,7 +98,7 @@ class NativeStepper:
                 chain.chain_matrix(chain.stiffness),
                 chain.chain_matrix(chain.damping),
                 given.start_height,
-                np.array([-np.inf, np.inf]),
+                np.array([-given.reach, given.reach]),
             )
 
     @property
@@ -220,13 +220,12 @@ class NativeStepper:
             clocks.append(clocks[-1].after(time_step))
         time = np.array([c.time for c in clocks])
         end = time[1:]
-        loads = [np.empty((steps + 1, 0))] + [_external(given, time) for given in self._inputs]
+        loads = [np.empty((steps + 1, 0))] + [given.external(time) for given in self._inputs]
         external = np.concatenate(loads, axis=1)
-        x = _columns([given.position(end) for given in self._inputs], steps)
         rise = _columns([given.unevenness(end) for given in self._inputs], steps)
         arrays = {
             "time_step": time_step,
-            "frame": _straight_frames(x),
+            "frame": _frames(self._inputs, end),
             "rise": np.repeat(rise, self._paths, axis=1),
             "on_line": _columns(
                 [end >= g.start_time - SAME_TIME for g in self._inputs], steps, dtype=bool
@@ -252,23 +251,17 @@ def _columns(values: list[Array], steps: int, dtype: type = float) -> Array:
     return np.stack(values, axis=1) if values else np.empty((steps, 0), dtype=dtype)
 
 
-def _straight_frames(x: Array) -> Array:
-    """Return the planes of contact at some positions of a straight track, ``(..., 3, 3)``.
+def _frames(inputs: Sequence[PantographInput], time: Array) -> Array:
+    """Return the planes of contact at some instants, ``(n_time, n_pantograph, 3, 3)``.
 
     A point of the plane, its normal along the track, the direction in which the head rises.
     """
-    frames = np.zeros((*x.shape, 3, 3))
-    frames[..., 0, 0] = x
-    frames[..., 1, 0] = 1.0
-    frames[..., 2, 2] = 1.0
+    frames = np.empty((len(time), len(inputs), 3, 3))
+    for number, given in enumerate(inputs):
+        plane = given.plane(time)
+        frames[:, number, 0] = plane.origin
+        frames[:, number, 1:] = plane.axes[:, ::2]
     return frames
-
-
-def _external(given: PantographInput, time: Array) -> Array:
-    """Return the external forces on the stages at some instants, ``(n_time, n_stage)`` [N]."""
-    if given.roof is None and time[0] - given.start_time >= given.ramp:
-        return np.tile(given.external(float(time[0])), (len(time), 1))
-    return np.array([given.external(t) for t in time])
 
 
 def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:

@@ -189,8 +189,8 @@ class ReferenceStepper:
             z, v, known = chain.predict(state.z, state.v, state.a, before, state.force)
             a_free = chain.acceleration(z, v, known, given.external(end))
             head = float(given.start_height + z[0] + c.to_position * a_free[0])
-            x, rise = given.position(end), float(given.unevenness(np.array(end)))
-            yield Prediction(i, chain, x, rise, head, k, given.reach, z, v, a_free)
+            plane, rise = given.plane(end), float(given.unevenness(np.array(end)))
+            yield Prediction(i, chain, plane, rise, head, k, given.reach, z, v, a_free)
 
     def _chains_for(self, time_step: float) -> tuple[PantographStep, ...]:
         """Return the pantographs' equations for a step; those of some steps are kept."""
@@ -221,7 +221,7 @@ class ReferenceStepper:
             found = [
                 (number, point)
                 for number, path in enumerate(self._paths)
-                if (point := path.locate(q, p.x, elements[number])) is not None
+                if (point := path.locate(q, p.plane, elements[number])) is not None
                 and abs(point.lateral) <= p.reach
             ]
             if not found:
@@ -240,7 +240,7 @@ class ReferenceStepper:
         g += internal_force(system, q, v).nodal
         g -= system.load
         for touch in touches:
-            g[touch.point.dofs_z] -= touch.force * touch.point.row
+            g[touch.point.dofs] -= touch.force * touch.point.push
         alpha = self._options.integrator.alpha
         r = alpha * step.start.g - self._matrices.mass @ a - step.c.weight * g
         r[system.fixed] = 0.0

@@ -13,6 +13,7 @@ from tautwire.numerics.motion.corotation import NodeRotation, unit_tangents
 from tautwire.numerics.motion.effective_matrix import StepCoefficients, StepFactors
 from tautwire.numerics.motion.pantograph import PantographStep
 from tautwire.numerics.network.system import System, tie_axial_force
+from tautwire.numerics.track import Frames
 
 Array = NDArray[Any]
 
@@ -85,13 +86,14 @@ class State:
 class Prediction:
     """What is known of one pantograph in a step before its contact force is.
 
-    ``rise`` is the height of the running surface above the wires, ``stiffness`` that of the
-    contact with each of them, ``reach`` how far to either side of the track the head does.
+    ``plane`` is the frame of the track where it stands, ``rise`` the height of the running surface
+    above the wires, ``stiffness`` that of the contact with each of them, ``reach`` how far to
+    either side of the track the head does.
     """
 
     index: int
     chain: PantographStep
-    x: float
+    plane: Frames
     rise: float
     head_free: float
     stiffness: float
@@ -222,7 +224,7 @@ class StepSolver:
         """Return ``A^-1 N`` for every pantograph and path, ``(n_dof, n_touch)``."""
         columns = np.zeros((self._system.dof_count, len(touches)))
         for i, touch in enumerate(touches):
-            columns[touch.point.dofs_z, i] = touch.point.row
+            columns[touch.point.dofs, i] = touch.point.push
             columns[:, i] = self._precondition(columns[:, i])
         return columns
 
@@ -268,5 +270,4 @@ class Watchdog:
 
 def _height_rate(point: ContactPoint, x: Array) -> float:
     """Return the gradient of the touched point's height along ``x``."""
-    along = point.row @ x[point.dofs_x]
-    return float(point.row @ x[point.dofs_z] - point.slope * along)
+    return float(np.sum(point.gradient * x[point.dofs]))

@@ -13,6 +13,7 @@ from tautwire.numerics.motion.dispersion import WaveStiffening
 from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import Integrator
+from tautwire.numerics.track import Frames, Track
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -46,14 +47,11 @@ class RoofMotion:
     time: Array
     height: Array
 
-    def at(self, time: float) -> tuple[float, float]:
-        """Return height [m] and velocity [m/s] of the roof."""
-        height = float(np.interp(time, self.time, self.height))
-        segment = int(np.searchsorted(self.time, time, side="right")) - 1
-        if not 0 <= segment < len(self.time) - 1:
-            return height, 0.0
-        rise = self.height[segment + 1] - self.height[segment]
-        return height, float(rise / (self.time[segment + 1] - self.time[segment]))
+    def at(self, time: Array) -> tuple[Array, Array]:
+        """Return heights [m] and velocities [m/s] of the roof at some instants."""
+        rates = np.concatenate([[0.0], np.diff(self.height) / np.diff(self.time), [0.0]])
+        segment = np.searchsorted(self.time, time, side="right")
+        return np.interp(time, self.time, self.height), rates[segment]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,11 +96,11 @@ class PantographInput:
     start_time : float s
         When it enters the line, at rest and just touching.
     start_x : float m
-        Where it enters.
+        Where it enters, along the track.
     start_height : float m
-        Height of the head at the start.
+        Height of the head above the rails at the start.
     velocity : float m/s
-        Along x; negative in running direction -x.
+        Along the track; negative in running direction -x.
     stage_forces : (n_stage,) N
         Uplift force and whatever else acts on the stages, reached after ``ramp`` seconds along
         half a cosine. The base spring counts from the start; where it carries nothing at another
@@ -113,6 +111,8 @@ class PantographInput:
         Unevenness of the running surface that the head meets.
     reach : float m
         Half the length of the head; wires further from the middle of the track pass beside it.
+    track : Track
+        On which it runs; displacements of its stages are those from the moving frame.
     """
 
     chain: PantographChain
@@ -125,26 +125,39 @@ class PantographInput:
     roof: RoofMotion | None = None
     surface: SurfaceProfile | None = None
     reach: float = np.inf
+    track: Track = field(default_factory=Track.straight)
 
     def position(self, time: Any) -> Any:
-        """Longitudinal position at one instant or at several [m]."""
+        """Position along the track at one instant or at several [m]."""
         return self.start_x + self.velocity * (time - self.start_time)
+
+    def plane(self, time: Any) -> Frames:
+        """Frame of the track at one instant or at several: the head moves across it, along b."""
+        return self.track.frames(self.position(time))
 
     def unevenness(self, time: Array) -> Array:
         """Return the height of the running surface above the wire where the head is [m]."""
         place = self.start_x + self.velocity * (np.asarray(time, dtype=float) - self.start_time)
         return np.zeros(np.shape(place)) if self.surface is None else self.surface.at(place)
 
-    def external(self, time: float) -> Array:
-        """Return the forces on the stages, that of the roof's motion included, in N."""
-        since = time - self.start_time
-        share = 1.0
-        if since < self.ramp:
-            share = 0.5 - 0.5 * np.cos(np.pi * max(since, 0.0) / self.ramp)
-        load = share * self.stage_forces
+    def external(self, time: Any) -> Array:
+        """Return the forces on the stages at one instant or at several, ``(..., n_stage)`` [N].
+
+        The motion of the roof is among them.
+
+        The frame of the track accelerates along b by ``v^2 b . dt/ds`` on a vertical curve or a
+        canted one, and the masses of the stages with it.
+        """
+        since = np.asarray(time, dtype=float) - self.start_time
+        ramped = np.clip(since / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else np.ones_like(since)
+        share = np.where(ramped < 1.0, 0.5 - 0.5 * np.cos(np.pi * ramped), 1.0)
+        load = share[..., None] * self.stage_forces
+        if not self.track.is_plane:
+            rise = share * self.track.rise_curvature(self.position(time))
+            load -= self.velocity**2 * rise[..., None] * self.chain.mass
         if self.roof is not None:
             height, velocity = self.roof.at(since)
-            load[-1] += self.chain.stiffness[-1] * height + self.chain.damping[-1] * velocity
+            load[..., -1] += self.chain.stiffness[-1] * height + self.chain.damping[-1] * velocity
         return load
 
 

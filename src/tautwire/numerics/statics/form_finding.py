@@ -1,10 +1,13 @@
 """Shape finding: one bordered Newton solve for coordinates and unstrained lengths (paper eq. 7).
 
-The x coordinate of every wire node is prescribed by the mesh; the unstrained length of the element
-on its left takes its place among the unknowns. In height mode the contact wire's z at a dropper is
-prescribed and the dropper's unstrained length takes its place. The system stays square and banded:
-``d(Q - G)/dL0`` fills the columns of the replaced coordinates. Gravity and masses depend on the
-unstrained lengths too.
+Every node has axes of its own: along the track, lateral, and normal to the plane of the rails. All
+that is prescribed, and every equation, belongs to these directions.
+
+The coordinate along the track of every wire node is prescribed by the mesh; the unstrained length
+of the element on its left takes its place among the unknowns. In height mode the contact wire's
+height at a dropper is prescribed and the dropper's unstrained length takes its place. The system
+stays square and banded: ``d(Q - G)/dL0`` fills the columns of the replaced coordinates. Gravity and
+masses depend on the unstrained lengths too.
 
 Where a wire is clamped to another (a stitch wire), its tension is given at one end; the force of
 the joint at the other end takes the place of the coordinate there.
@@ -13,7 +16,7 @@ the joint at the other end takes the place of the coordinate there.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +25,9 @@ from tautwire.numerics.elements import ancf
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import System, internal_force, tangent_parts, weight_load
 from tautwire.numerics.statics.newton import NewtonResult, NewtonSettings, damped_newton
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
@@ -37,7 +43,7 @@ iterations, 1e-8 one more, which changes heights by rounding alone."""
 
 @dataclass(frozen=True, eq=False)
 class FormProblem:
-    """A line whose shape is sought.
+    """A line whose shape is sought; coordinates by number are those along the axes of the nodes.
 
     Attributes
     ----------
@@ -56,6 +62,9 @@ class FormProblem:
     joints : (n_joint, 2)
         Coordinates along the track of two clamped wires, the host's first, whose joint carries a
         force that is sought; it takes the place of the second coordinate.
+    axes : (n_node, 3, 3)
+        Directions along the track, lateral and normal at every node, as rows; those of the
+        coordinates by default.
     """
 
     system: System
@@ -65,6 +74,7 @@ class FormProblem:
     gravity: float
     taut: NDArray[np.bool_]
     joints: Index = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    axes: Array = field(default_factory=lambda: np.eye(3)[None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +86,8 @@ class Form:
     system : System
         The problem's system with the found coordinates, lengths, and complete loads.
     reactions : (n_dof,) N, N m
-        Force that holds each held degree of freedom; zero elsewhere up to the residual.
+        Force that holds each held coordinate along the axes of the nodes; zero elsewhere up to the
+        residual.
     joint_pulls : (n_joint,) N
         Force of each sought joint on its host, positive to the right.
     newton : NewtonResult
@@ -106,15 +117,22 @@ class _FormFinder:
         self.problem = problem
         system = problem.system
         self.n_dof, self.n_cable = system.dof_count, len(system.cables)
+        self.axes = np.broadcast_to(problem.axes, (system.node_count, 3, 3))
+        self.turning = _turning(self.axes)
         self.pattern = Pattern(system)
         self.replaced = np.zeros(self.n_dof, dtype=bool)
         self.replaced[problem.cable_slot] = True
         self.replaced[problem.joints[:, 1]] = True
         self.free_length = np.flatnonzero(problem.tie_slot >= 0)
         self.replaced[problem.tie_slot[self.free_length]] = True
-        keep = ~problem.held[self.pattern.rows]
-        keep &= ~(problem.held | self.replaced)[self.pattern.cols]
-        self.kept = np.flatnonzero(keep)
+
+    def turned(self, local: Array) -> Array:
+        """Return nodal vectors ``(n_dof,)`` given by their components along the axes."""
+        return np.einsum("nij,nai->naj", self.axes, local.reshape(-1, 2, 3)).ravel()
+
+    def components(self, vectors: Array) -> Array:
+        """Return the components of nodal vectors along the axes, ``(n_dof,)``."""
+        return np.einsum("nij,naj->nai", self.axes, vectors.reshape(-1, 2, 3)).ravel()
 
     def unpack(self, x: Array) -> System:
         """Return the system at coordinates and lengths ``x``."""
@@ -122,19 +140,23 @@ class _FormFinder:
         counts = [self.n_dof, self.n_cable, len(given.ties)]
         q, cables, ties, pulls = np.split(x, np.cumsum(counts))
         system = given.with_(
-            position=q, cables=given.cables.with_(length=cables), ties=given.ties.of_length(ties)
+            position=self.turned(q),
+            cables=given.cables.with_(length=cables),
+            ties=given.ties.of_length(ties),
         )
         load = system.load + weight_load(system, self.problem.gravity)
         host, other = self.problem.joints.T
-        np.add.at(load, host, pulls)
-        np.subtract.at(load, other, pulls)
-        return system.with_(load=load)
+        joint = np.zeros(self.n_dof)
+        np.add.at(joint, host, pulls)
+        np.subtract.at(joint, other, pulls)
+        return system.with_(load=load + self.turned(joint))
 
     def unbalanced(self, system: System) -> Array:
-        """Return the unbalanced nodal forces Q - load, slack ties left out."""
+        """Return the unbalanced nodal forces Q - load along the axes, slack ties left out."""
         stiffness = np.where(self.problem.taut, system.ties.stiffness, 0.0)
         acting = system.with_(ties=system.ties.with_(stiffness=stiffness))
-        return internal_force(acting, system.position, slackening=False).nodal - system.load
+        force = internal_force(acting, system.position, slackening=False).nodal
+        return self.components(force - system.load)
 
     def residual(self, x: Array) -> Array:
         r = self.unbalanced(self.unpack(x))
@@ -155,10 +177,11 @@ class _FormFinder:
     def bordered_band(self, system: System, width: int) -> Array:
         """Return the tangent with length columns in general banded storage."""
         parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
-        values = self.pattern.values(parts)[self.kept]
-        rows, cols = self.pattern.rows[self.kept], self.pattern.cols[self.kept]
-        blocks = [(rows, cols, values), self.cable_columns(system), self.tie_columns(system)]
-        blocks.append(self.joint_columns())
+        matrix = self.pattern.csr(self.pattern.values(parts))
+        matrix = (self.turning @ matrix @ self.turning.T).tocoo()
+        kept = ~(self.problem.held | self.replaced)[matrix.col]
+        blocks = [(matrix.row[kept], matrix.col[kept], matrix.data[kept])]
+        blocks += [self.cable_columns(system), self.tie_columns(system), self.joint_columns()]
         rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
         keep = ~self.problem.held[rows]
         flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
@@ -175,6 +198,8 @@ class _FormFinder:
         column[:, 2] -= ancf.weight_length_derivative(
             cables.length, cables.mass, self.problem.gravity
         )
+        axes = self.axes[cables.nodes[:, [0, 0, 1, 1]]]
+        column = np.einsum("naij,ajn->ain", axes, column)
         cols = np.broadcast_to(self.problem.cable_slot, cables.dofs.shape)
         return cables.dofs.ravel(), cols.ravel(), column.reshape(-1)
 
@@ -187,6 +212,8 @@ class _FormFinder:
         pull = rate * state.direction
         column = np.concatenate([pull, -pull])
         column[[2, 5]] += 0.5 * ties.mass * self.problem.gravity
+        column = np.einsum("naij,ajn->ain", self.axes[ties.nodes], column.reshape(2, 3, -1))
+        column = column.reshape(6, -1)
         rows = ties.dofs[:, free]
         cols = np.broadcast_to(self.problem.tie_slot[free], rows.shape)
         return rows.ravel(), cols.ravel(), column[:, free].ravel()
@@ -222,9 +249,19 @@ class _FormFinder:
     def solve(self, residual: float) -> Form:
         start = self.problem.system
         pulls = np.zeros(len(self.problem.joints))
-        x = np.concatenate([start.position, start.cables.length, start.ties.length, pulls])
+        q = self.components(start.position)
+        x = np.concatenate([q, start.cables.length, start.ties.length, pulls])
         settings = NewtonSettings(increment=_INCREMENT, residual=residual)
         newton = damped_newton(x, self.residual, self.direction, self.limits(), settings)
         system = self.unpack(newton.x)
         pulls = newton.x[len(newton.x) - len(pulls) :]
         return Form(system, self.unbalanced(system), pulls, newton)
+
+
+def _turning(axes: Array) -> csr_array:
+    """Return the matrix that leads from nodal vectors to their components along the axes."""
+    from scipy.sparse import bsr_array
+
+    count = len(axes)
+    blocks = np.repeat(axes, 2, axis=0)
+    return bsr_array((blocks, np.arange(2 * count), np.arange(2 * count + 1))).tocsr()

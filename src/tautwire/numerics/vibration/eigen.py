@@ -167,8 +167,8 @@ class Vibration:
         free = vectors[:, self.free]
         return float(np.abs(free @ (self.mass @ free.T) - np.eye(len(free))).max(initial=0.0))
 
-    def energy_shares(self, vectors: Array, group: NDArray[np.int64]) -> Array:
-        """Return the share of every group of degrees of freedom in ``phi' M phi``.
+    def energy_shares(self, vectors: Array, group: NDArray[np.int64], axes: Array) -> Array:
+        """Return the share of every group of components in ``phi' M phi``.
 
         Masses do not couple directions or wires, so the shares of a partition by direction and
         wire are positive and add up to 1.
@@ -177,18 +177,20 @@ class Vibration:
         ----------
         vectors : (n_mode, n_dof)
         group : (n_dof,)
-            Number of the group of each degree of freedom, from 0.
+            Number of the group of each component along the axes, from 0.
+        axes : (n_node, 3, 3)
+            Directions in which a node moves, as rows.
 
         Returns
         -------
         (n_mode, n_group)
         """
-        free = vectors[:, self.free]
-        energy = free * (self.mass @ free.T).T
-        shares = [
-            energy[:, group[self.free] == number].sum(axis=1)
-            for number in range(int(group.max()) + 1)
-        ]
+        momentum = np.zeros_like(vectors)
+        momentum[:, self.free] = (self.mass @ vectors[:, self.free].T).T
+        both = (v.reshape(len(v), len(axes), 2, 3) for v in (vectors, momentum))
+        along, moved = (np.einsum("nij,mnaj->mnai", axes, v).reshape(vectors.shape) for v in both)
+        energy = along * moved
+        shares = [energy[:, group == number].sum(axis=1) for number in range(int(group.max()) + 1)]
         return np.stack(shares, axis=1) / energy.sum(axis=1)[:, None]
 
 

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from tautwire.files import write_text
 from tautwire.measured.evaluation import Evaluation
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.run_page import render
@@ -20,7 +21,6 @@ from tautwire.report.parts.measured import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import number
-from tautwire.results.files import write_text
 from tautwire.version import __version__
 
 

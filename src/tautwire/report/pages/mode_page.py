@@ -14,13 +14,13 @@ from tautwire.analyses.vibration.wavelengths import (
     name_peaks,
     presag_spectrum,
 )
+from tautwire.files import write_text
 from tautwire.report.figures.mode_figures import mode_figure, mode_spectrum_figure, spectrum_figure
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Heading, Section, Table, Text
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import number
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.files import write_text
 from tautwire.results.modes import Modes
 from tautwire.specs.case import Case
 from tautwire.version import __version__

@@ -14,6 +14,7 @@ from typing import Any
 
 from tautwire.assessment.checks import Criteria
 from tautwire.errors import InputError
+from tautwire.files import write_text
 from tautwire.report.parts import sections
 from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
 from tautwire.report.parts.conditions import conditions_section
@@ -22,7 +23,6 @@ from tautwire.report.parts.summary import summary_section
 from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
 from tautwire.results.equilibrium import Elasticity
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautwire.files import write_text
 from tautwire.report.figures.study_figures import readable_axis, usual_figures
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import (
@@ -25,10 +26,9 @@ from tautwire.report.parts.blocks import (
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import counted, listing, number
-from tautwire.results.files import write_text
 from tautwire.signals.filters import SharpLowpass
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
-from tautwire.studies.table import StudyTable
+from tautwire.studies.table import Alike, StudyTable
 from tautwire.text import MARK, marked
 from tautwire.version import __version__
 
@@ -105,22 +105,24 @@ def _summary(table: StudyTable) -> Section:
         blocks.append(Callout((text,)))
     if table.mixture():
         blocks.append(Callout((table.mixture(),)))
-    failures = table.failures()
-    if failures:
-        blocks.append(
-            Table(
-                "Cases without a result, equal reasons together.",
-                ("cases", "status", "reason", "numbers"),
-                "rlll",
-                tuple(
-                    (str(len(f.cases)), Verdict(f.status, "failed"), f.reason, _numbers(f.cases))
-                    for f in failures
-                ),
-            )
-        )
+    if table.failures():
+        text = "Cases without a result, equal reasons together."
+        blocks.append(_alike(text, table.failures(), "failed"))
     else:
         blocks.append(Text("No case failed.", "note"))
+    if table.warned():
+        blocks.append(
+            _alike("Warnings of finished cases, equal ones together.", table.warned(), "unverified")
+        )
     return Section("summary", "Summary", tuple(blocks))
+
+
+def _alike(caption: str, found: Sequence[Alike], look: str) -> Table:
+    rows = [
+        (str(len(one.cases)), Verdict(one.status, look), one.reason, _numbers(one.cases))
+        for one in found
+    ]
+    return Table(caption, ("cases", "status", "reason", "numbers"), "rlll", tuple(rows))
 
 
 def _numbers(cases: tuple[int, ...]) -> str:

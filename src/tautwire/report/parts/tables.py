@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tautwire.files import write_text
 from tautwire.report.parts.views import WIDE_CUTOFF, filtered_or_none, headline_filter
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.results.files import write_text
 from tautwire.results.run import Run
 from tautwire.results.statistics import LOSS_BAND
 from tautwire.text import csv_text

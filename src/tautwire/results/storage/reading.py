@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from tautwire.errors import InputError
+from tautwire.line.alignment import alignment
 from tautwire.results import layout, upgrade
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
@@ -323,7 +324,7 @@ def _equilibrium(file: h5netcdf.File, case: Case) -> Equilibrium:
     found = _upgraded(file, "equilibrium", layout.EQUILIBRIUM, upgrade.equilibrium_from_1)
     for name in ("wire_names", "wire_roles"):
         found[name] = tuple(str(value) for value in found[name])
-    shape = Equilibrium(**found)
+    shape = Equilibrium(track=alignment(case.track, case.line), **found)
     wires, spans = len(shape.wire_names), case.line.spans
     _require("contact" in shape.wire_roles, "no contact wire")
     _require_numbers("wire of a node", shape.node_wire, 0, wires - 1)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tautwire.files import write_bytes
 from tautwire.results import layout
 from tautwire.results.equilibrium import Elasticity, Equilibrium
-from tautwire.results.files import write_bytes
 from tautwire.results.layout import FORMAT, FORMAT_VERSION, Entry
 from tautwire.results.provenance import provenance
 from tautwire.results.run import ContactEvents, PantographRecord, Run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from itertools import accumulate
 from typing import Annotated, Any, Literal
 
@@ -197,6 +198,25 @@ class Line(Spec):
     def support_positions(self) -> tuple[float, ...]:
         """Return the position of each support [m]; the left anchor is at 0."""
         return tuple(accumulate(self.span_lengths(), initial=0.0))
+
+    def distance(self, chainage: float) -> float:
+        """Return how far from support 1 a chainage lies [m].
+
+        Between supports whose chainages are given the way is shared out evenly, so that a jump of
+        the chainage stays in its span; beyond the ends it is counted on.
+        """
+        if self.chainage is None:
+            return chainage
+        s, sign = self.support_positions(), 1.0 if self.chainage[-1] > self.chainage[0] else -1.0
+        given = [sign * value for value in self.chainage]
+        span = min(max(bisect_right(given, sign * chainage) - 1, 0), self.spans - 1)
+        way = sign * chainage - given[span]
+        gap = given[span + 1] - given[span]
+        if way < 0.0 or gap <= 0.0:
+            return s[span] + way
+        return (
+            s[span + 1] + way - gap if way > gap else s[span] + way / gap * (s[span + 1] - s[span])
+        )
 
     def place_of_support(self, index: int) -> str:
         """Name a support by its mast and chainage, as in "mast 4/12, km 12.624"; or nothing."""

@@ -163,6 +163,7 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
         "steps": run.counters.get("steps"),
         "tuning_passes": run.counters.get("tuning_passes", 1),
         "backend": str(run.counters.get("backend", "")),
+        "warnings": "; ".join(run.warnings),
         "carried_band": statistics.pantographs[0].headline.carried,
         "marked": ", ".join(_marked(statistics.pantographs[0])),
         "pantographs": pantographs,

@@ -6,9 +6,9 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from tautwire.files import write_text
 from tautwire.reproductions.song2021.pages.page import page_html
 from tautwire.reproductions.song2021.reproduction import SongRecord
-from tautwire.results.files import write_text
 from tautwire.text import csv_text
 
 

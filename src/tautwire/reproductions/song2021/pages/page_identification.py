@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from tautwire.files import write_text
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Section, Table, Text
 from tautwire.report.parts.words import number
@@ -17,7 +18,6 @@ from tautwire.reproductions.song2021.sections.identification import (
     Trial,
     levels,
 )
-from tautwire.results.files import write_text
 from tautwire.text import csv_text
 from tautwire.version import __version__
 
