@@ -10,6 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.dynamics import simulate
+from tautwire.analyses.road.pipeline import run_case
+from tautwire.analyses.road.shape import find_shape
+from tautwire.model.build import build
 from tautwire.model.passage import plan_passage
 from tautwire.numerics.motion.backend import Choice, make_stepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions
@@ -22,7 +27,7 @@ from tautwire.specs.case import Case
 from ..lines import found
 from .test_general_lines import LINES, simple
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 Record = Callable[..., bool]
 CASE = "Equalities, force over a passage at 250 km/h"
 STIFFNESS = 2e5
@@ -242,4 +247,80 @@ def test_running_backwards_gives_the_same_force(name: str, record_validation: Re
         unit="N rms",
         allowed=(0.0, 0.02),
         source="equality",
+    )
+
+
+# ---- lines that differ far away, and on finer meshes ---------------------------------------------
+
+
+def overlapping(spans: int, first: int, last: int) -> dict[str, Any]:
+    """Return AC simple in two tension lengths that share the spans from ``first`` to ``last``."""
+    data = simple(spans=spans)
+    data["tension_lengths"] = [
+        {"name": "T1", "masts": [1, last + 1], "ends": {"left": "anchored", "right": "weighted"}},
+        {
+            "name": "T2",
+            "masts": [first, spans + 1],
+            "ends": {"left": "weighted", "right": "anchored"},
+        },
+    ]
+    data["overlaps"] = [{"kind": "three-span", "rise": 0.35}]
+    data["settings"]["backend"] = "auto"
+    return data
+
+
+def statistics_in(data: dict[str, Any], spans: tuple[int, int]) -> dict[str, float]:
+    """Return statistics of the force, below 20 Hz and in bands, within some spans [N]."""
+    data["settings"]["section"] = list(spans)
+    case = Case.model_validate(data)
+    model = build(case)
+    end = 55.0 * (spans[1] + 1) / case.scenario.speed
+    run = simulate(model, find_shape(model), watch=lambda progress: progress.time >= end)
+    sharp = contact_statistics(run).pantograph().sharp
+    values = {"mean": sharp.mean, "Fmax": sharp.maximum, "Fmin": sharp.minimum}
+    bands = {f"sigma {band} Hz": value for band, value in sharp.standard_deviations.items()}
+    return values | bands
+
+
+@pytest.mark.slow
+def test_a_cut_far_away_hardly_moves_the_statistics(record_validation: Record) -> None:
+    """An overlap 330 m beyond the analysed section, with weights on both sides, moves the standard
+    deviation below 20 Hz by at most 3 %; the change of every statistic is recorded."""
+    whole = simple(spans=20)
+    whole["settings"]["backend"] = "auto"
+    cut = overlapping(20, 15, 17)
+    before, after = (statistics_in(data, (5, 8)) for data in (whole, cut))
+    changes = {name: 100.0 * (after[name] / value - 1.0) for name, value in before.items()}
+    for name, change in changes.items():
+        limits = (-3.0, 3.0) if name == "sigma 0_20 Hz" else (-100.0, 100.0)
+        assert record_validation(
+            "AC simple, 250 km/h, cut 330 m beyond the section",
+            f"change of {name}",
+            ours=change,
+            unit="%",
+            allowed=limits,
+            source="the same line in one tension length",
+        )
+
+
+@pytest.mark.slow
+def test_force_in_an_overlap_is_converged(record_validation: Record) -> None:
+    """Through an overlap at 300 km/h, mean force held, half the elements and half the step move
+    the largest force below 20 Hz by less than 3 %."""
+    largest = []
+    for nodes, step in ((7, 1e-3), (13, 5e-4)):
+        data = overlapping(10, 4, 6)
+        data["scenario"] = {"speed": 300 / 3.6, "mean_force": 150.0}
+        data["settings"] |= {"nodes_between_droppers": nodes, "time_step": step, "section": [4, 6]}
+        run = run_case(Case.model_validate(data))
+        sharp = contact_statistics(run).pantograph().sharp
+        assert sharp.mean == pytest.approx(150.0, abs=1.0)
+        largest.append(sharp.maximum)
+    assert record_validation(
+        "Overlap of AC simple, 300 km/h, mesh and step halved",
+        "change of Fmax, sharp",
+        ours=100.0 * (largest[1] / largest[0] - 1.0),
+        unit="%",
+        allowed=(-3.0, 3.0),
+        source="the same line, 7 nodes between droppers and 1 ms",
     )
