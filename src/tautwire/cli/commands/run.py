@@ -27,6 +27,7 @@ from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
+from tautwire.model.plausibility import implausible_inputs
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import size
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
@@ -71,7 +72,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:
         answer.say(program(case.settings.backend))
-        advice = preflight(case)
+        advice = [*preflight(case), *implausible_inputs(case)]
         refuse_hopeless(advice)
         answer.advise(advice)
         answer.say(computation(size(case)))
