@@ -47,6 +47,8 @@ class Wish:
         length ``weighted`` at both ends, or wires ``anchored`` at both ends.
     band : float
         Highest frequency that mesh and time step carry [Hz].
+    arm_share : float or None
+        Share of the contact wire between the droppers beside a support that its arm carries.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Wish:
     messenger_tension: float | None = None
     ends: Ends = "mid-point"
     band: float = WIDEST
+    arm_share: float | None = None
 
     def running(self) -> float:
         """Return the speed [m/s], chosen where none is known."""
@@ -115,7 +118,7 @@ def template(wish: Wish) -> tuple[Choice, ...]:
     return (
         *_line(wish, span, usual),
         *_wires(wish, usual),
-        *_supports(),
+        *_supports(wish),
         *_droppers(wish, span, positions),
         Choice(("pantographs",), [{"use": "benchmark-2015", "name": "front"}],
                "pantograph of the world benchmark; take your own: tautwire catalogue --kind "
@@ -246,7 +249,7 @@ def _wires(wish: Wish, usual: _Usual) -> list[Choice]:
     return choices
 
 
-def _supports() -> list[Choice]:
+def _supports(wish: Wish) -> list[Choice]:
     return [
         Choice(("supports", "use"), "light cantilever", "aluminium cantilever; take your own"),
         Choice(("supports", "contact_height"), "5.3 m", "a usual nominal height"),
@@ -254,8 +257,9 @@ def _supports() -> list[Choice]:
         Choice(("supports", "contact_stagger"), "0.2 m", "0.2 to 0.3 m are built; alternates"),
         Choice(("supports", "closure"), "lift", "the wire hangs free; an arm that carries it "
                "(height) gives less uplift than published"),
-        Choice(("supports", "lift"), "0 N", "weight that an arm carries; practice runs from 0 "
-               "to the wire up to the first dropper"),
+        Choice(("supports", "share"), wish.arm_share or 0.0, "" if wish.arm_share is not None else
+               "of the wire between the droppers beside it that an arm carries; 0 fits published "
+               "uplifts, practice runs to 0.5"),
     ]  # fmt: skip
 
 

@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
-from tautwire.line.defects import marks
+from tautwire.line.defects import marks, misplaced
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -48,6 +49,8 @@ def expand(case: Case) -> Line:
 
     Raises
     ------
+    InputError
+        When defects are where nothing is; all are named.
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
@@ -58,7 +61,7 @@ def expand(case: Case) -> Line:
     suspensions = [s for plan in whole for s in _Expansion(case, plan).suspensions()]
     joints = [joint for plan in whole for joint in _Expansion(case, plan).joints()]
     carried = len({hanger.lower.run for hanger in hangers})
-    return Line(
+    line = Line(
         track=track,
         masts=case.line.support_positions(),
         runs=tuple(runs),
@@ -68,6 +71,9 @@ def expand(case: Case) -> Line:
         joints=tuple(joints),
         marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
+    if problems := misplaced(line, case.conditions):
+        raise InputError(problems)
+    return line
 
 
 class _Expansion:
@@ -232,11 +238,26 @@ class _Expansion:
                     at=At(self.plan.run(name), self.masts[mast]),
                     y=y[mast],
                     z=self.contact_z[mast],
-                    kind=_closure(spec, is_raised=is_raised),
+                    kind=_closure(spec, self._lift(name, wire, mast), is_raised=is_raised),
                     clamp=spec.clamp,
                     end=ends.get(mast),
                     is_fixed_along=mast == self.plan.fixed_point,
                 )
+
+    def _lift(self, name: str, wire: Wire, mast: int) -> float:
+        """Return the vertical force of the arm at a mast, given or as a share of the wire [N].
+
+        The whole share is the contact wire from the dropper before to the dropper behind the mast,
+        or from the masts beside it where nothing hangs.
+        """
+        spec, s = self.case.supports, self.masts[mast]
+        if spec.share is None:
+            return spec.lift
+        run = self.plan.run(name)
+        ends = [self.masts[mast - 1], self.masts[mast + 1]]
+        held = ends + [hanger.lower.s for hanger in self.hangers() if hanger.lower.run == run]
+        length = min(x for x in held if x > s) - max(x for x in held if x < s)
+        return spec.share * wire.mass * self.case.line.gravity * length
 
     def suspensions(self) -> Iterator[Suspension]:
         spec = self.case.supports
@@ -265,17 +286,24 @@ def _sum(values: Values, shift: Values) -> Values:
     return tuple(y + by for y, by in zip(values, shift, strict=True))
 
 
-def _closure(spec: Supports, *, is_raised: bool) -> Closure:
+def _closure(spec: Supports, lift: float, *, is_raised: bool) -> Closure:
     """Return what is known about a contact wire at a support.
 
     A raised wire hangs from its messenger wire; its arm only holds it sideways.
+
+    Parameters
+    ----------
+    spec
+    lift
+        Vertical force of the arm, where that is what is known [N].
+    is_raised
     """
     if spec.closure == "spring" and spec.spring is not None:
         return Spring(spec.spring)
     if is_raised:
         return Lift(spec.arm, 0.0)
     if spec.closure == "lift":
-        return Lift(spec.arm, spec.lift)
+        return Lift(spec.arm, lift)
     return GivenArm(spec.arm) if spec.closure == "arm" else Height(spec.arm)
 
 

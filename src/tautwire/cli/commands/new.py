@@ -31,7 +31,7 @@ class Answers:
     Attributes
     ----------
     system, speed, span, spans, contact, contact_tension, messenger, messenger_tension : str or None
-    ends, band : str or None
+    ends, band, arm_share : str or None
     """
 
     system: str | None = None
@@ -44,6 +44,7 @@ class Answers:
     messenger_tension: str | None = None
     ends: str | None = None
     band: str | None = None
+    arm_share: str | None = None
 
 
 def write_new(answer: Answer, path: Path, answers: Answers, *, force: bool) -> None:
@@ -132,6 +133,7 @@ _READERS: dict[str, Callable[[str], Any]] = {
     "messenger_tension": _quantity("N", 1e3, 60e3),
     "ends": _one_of(ENDS),
     "band": _quantity("1/s", 20.0, 500.0),
+    "arm_share": _quantity("", 0.0, 1.0),
 }
 _QUESTIONS = {
     "system": "Supply system (ac, dc-1.5kv, dc-3kv)",
@@ -141,6 +143,7 @@ _QUESTIONS = {
     "contact_tension": "Its tension, as in 15 kN",
     "messenger": "Messenger wire, as in BzII-70",
     "messenger_tension": "Its tension",
+    "arm_share": "Share of the wire that steady arms carry, 0 to 0.5",
     "ends": "Ends (mid-point: half a tension length; weighted; anchored)",
 }
 

@@ -27,6 +27,7 @@ from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
+from tautwire.model.plausibility import implausible_inputs
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import size
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
@@ -71,18 +72,21 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:
         answer.say(program(case.settings.backend))
-        advice = preflight(case)
+        advice = [*preflight(case), *implausible_inputs(case)]
         refuse_hopeless(advice)
         answer.advise(advice)
         answer.say(computation(size(case)))
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
             with interrupts.patient():
-                files.write(RUN_FILE, lambda path: save_run(run, path))
+                elasticity = None
+                try:
+                    if run.status == "done" and interrupts.requested is None:
+                        elasticity = _elasticity(run)
+                finally:
+                    files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
                 with _telling_what_is_kept(answer, files):
                     _present(answer, run, request.criteria, [str(item) for item in advice])
-                    complete = run.status == "done" and interrupts.requested is None
-                    elasticity = _elasticity(run) if complete else None
                     asked = request.criteria if request.with_report else None
                     _write(answer, files, run, elasticity, asked)
     if run.status == "failed":
@@ -184,8 +188,6 @@ def _write(
 ) -> None:
     """Write the files of a run, the most important first; the report where there are criteria."""
     text = to_json(answer.document) + "\n"
-    if elasticity is not None:
-        files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
     files.write("results.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
     for number, record in enumerate(run.pantographs, 1):

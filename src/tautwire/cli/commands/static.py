@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.road.conditions import compare_conditions
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import backend, program
@@ -15,7 +16,8 @@ from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import FAILED, Answer, OutputError
+from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
@@ -23,7 +25,11 @@ from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
+from tautwire.model.plausibility import implausible_inputs, implausible_shape
+from tautwire.report.pages.conditions_page import write_conditions_page
+from tautwire.report.parts.condition_words import conditions_csv
 from tautwire.report.parts.tables import write_dropper_table
+from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case
@@ -74,11 +80,20 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
             name = backend(case.settings.backend)
             with interrupts.patient():
-                answer.document.update(static_document(case, shape, elasticity, name, []))
+                odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
+                answer.advise(odd)
+                warnings = [str(item) for item in odd]
+                answer.document.update(static_document(case, shape, elasticity, name, warnings))
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
+                states = _conditions(answer, model, shape)
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
+                    _write_conditions(files, case, states)
+                    _list_files(answer, files)
+            if any(state.fault for state in states):
+                answer.exit_code = FAILED
+                return
     answer.exit_code = interrupts.exit_code
 
 
@@ -99,10 +114,30 @@ def _write(
         files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     files.write("static.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(shape, path))
+
+
+def _list_files(answer: Answer, files: Files) -> None:
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems:
         raise OutputError(files.problems)
+
+
+def _conditions(answer: Answer, model: Model, shape: Equilibrium) -> tuple[ConditionState, ...]:
+    """Show the conditions of the case beside each other, unless one of them was asked for."""
+    if not model.case.conditions or model.case.condition is not None:
+        return ()
+    states = compare_conditions(model, shape, watch=lambda name: answer.say(f"condition {name}"))
+    answer.document["conditions"] = [state.as_dict() for state in states]
+    answer.show(*conditions_view(states))
+    return states
+
+
+def _write_conditions(files: Files, case: Case, states: tuple[ConditionState, ...]) -> None:
+    if not states:
+        return
+    files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
+    files.write("conditions.html", lambda path: write_conditions_page(case, states, path))
 
 
 def elasticity_csv(elasticity: Elasticity) -> str:

@@ -73,7 +73,13 @@ def new(
         str | None, _option("messenger-tension", "FORCE", "Its tension.")
     ] = None,
     ends: Annotated[str | None, _option("ends", "KIND", "mid-point, weighted or anchored.")] = None,
-    band: Annotated[str | None, _option("band", "FREQ", "Highest frequency of the mesh.")] = None,
+    band: Annotated[
+        str | None, _option("band", "FREQ", "Highest frequency of mesh and step.")
+    ] = None,
+    arm_share: Annotated[
+        str | None,
+        _option("arm-share", "SHARE", "Share of the wire that arms carry, 0 to 0.5."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
@@ -86,7 +92,7 @@ def new(
 
         answers = Answers(
             system, speed, span, spans, contact, contact_tension, messenger, messenger_tension,
-            ends, band,
+            ends, band, arm_share,
         )  # fmt: skip
         write_new(answer, file, answers, force=force)
 

@@ -119,6 +119,12 @@ class Supports(Spec):
         description="Closure 'lift': vertical force of the arm on the wire, its own half weight "
         "deducted; 0 lets the wire hang free.",
     )
+    share: Annotated[float, Quantity("", ge=0.0, le=1.0, typical="0 to 0.5")] | None = Field(
+        default=None,
+        description="Closure 'lift', in place of lift: share of the contact wire, from the "
+        "dropper before to the dropper behind the support, that the arm carries. Practice runs "
+        "from next to nothing (what published uplifts fit) to half.",
+    )
     arm: Arm = Field(default=Arm(), description="Steady arm, the same at every support.")
     arm_end_y: tuple[Coordinate | None, ...] | None = Field(
         default=None,
@@ -159,6 +165,10 @@ class Supports(Spec):
                     "'spring: {stiffness: 300 N/m}'",
                 )
             )
+        if self.share is not None and (self.closure != "lift" or self.lift != 0.0):
+            other = "lift" if self.closure == "lift" else f"closure '{self.closure}'"
+            text = f"is given with {other}; it belongs to closure 'lift', in place of lift"
+            problems.append(Problem(("share",), text))
         if (self.arm_end_y is None) != (self.arm_end_z is None):
             given = "arm_end_y" if self.arm_end_z is None else "arm_end_z"
             problems.append(
