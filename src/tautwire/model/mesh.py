@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tautwire.line.measures import SAME_PLACE, longest_hung_interval
 from tautwire.line.pieces import At, Line, Run
 from tautwire.model.band import longest_element
-from tautwire.numerics.track import Frames
+from tautwire.numerics.track import Frames, Track
 from tautwire.specs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -33,12 +33,16 @@ class Strand:
     nodes : (n,)
     cables : (n - 1,)
         Elements between them.
+    leads : (float, float)
+        Share of its tension that acts along the track at its left and its right end: in a curve it
+        comes from the neighbouring support along a chord.
     """
 
     run: Run
     s: Array
     nodes: Index
     cables: Index
+    leads: tuple[float, float]
 
     def position(self, s: float) -> int:
         """Return which of its nodes lies at a place where something is attached [m]."""
@@ -170,7 +174,7 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
     for run, own in zip(line.runs, places, strict=True):
         nodes = number[first_node : first_node + len(own)]
         cables = np.arange(first_cable, first_cable + len(own) - 1)
-        strands.append(Strand(run, own, nodes, cables))
+        strands.append(Strand(run, own, nodes, cables, _leads(line, run)))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
     return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
 
@@ -187,6 +191,29 @@ def _division(line: Line, run: Run, settings: Settings, speed: float) -> Divisio
         return Division(elements, given or longest_hung_interval(line) / elements, graded)
     longest = longest_element(run, settings.band, speed)
     return Division(1, longest if given is None else min(given, longest), graded)
+
+
+def _leads(line: Line, run: Run) -> tuple[float, float]:
+    """Return how much less of a run's tension acts along the track at its ends for the curve.
+
+    The ratio of the cosines between the track and the way to the next support, to that on straight
+    track: there the tension is that along the track.
+    """
+    held = [(end.s, end.y, end.z) for end in (run.start, run.end)]
+    pieces = (*line.registrations, *line.suspensions)
+    held += [(piece.at.s, piece.y, piece.z) for piece in pieces if piece.at.run == run.name]
+    places = np.array(sorted(set(held)))
+    left, right = _cosines(line.track, places) / _cosines(Track.straight(), places)
+    return float(left), float(right)
+
+
+def _cosines(track: Track, places: Array) -> Array:
+    """Return cosines between a track and chords at the first and last of some points ``(n, 3)``."""
+    frames = track.frames(places[:, 0])
+    points = frames.to_world(places * np.array([0.0, 1.0, 1.0]))
+    chords = np.diff(points, axis=0)[[0, -1]]
+    along = np.sum(chords * frames.axes[[0, -1], 0], axis=1)
+    return along / np.linalg.norm(chords, axis=1)
 
 
 def _divided(ends: Array, division: Division) -> Array:

@@ -284,7 +284,8 @@ def _end_pulls(mesh: Mesh, form: Form) -> Array:
     pulls = np.zeros((2, len(mesh.strands)))
     for number, strand in enumerate(mesh.strands):
         if strand.run.start.kind != "clamped":
-            pulls[:, number] = form.reactions[6 * strand.nodes[0]], strand.run.wire.tension
+            pull = strand.run.wire.tension * strand.leads[1]
+            pulls[:, number] = form.reactions[6 * strand.nodes[0]], pull
     return pulls
 
 
@@ -350,7 +351,7 @@ def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     vertical = mesh.frames.turned(form.reactions.reshape(-1, 6)[:, :3])[:, 2]
     whole = [strand for strand in mesh.strands if strand.run.start.kind != "clamped"]
     total = float(vertical[np.concatenate([strand.nodes[[0, -1]] for strand in whole])].sum())
-    tensions = np.array([strand.run.wire.tension for strand in whole])
+    tensions = np.array([strand.run.wire.tension * strand.leads[1] for strand in whole])
     total += float(tensions @ mesh.frames.axes[[strand.nodes[-1] for strand in whole], 0, 2])
     total += float(vertical[mesh.nodes(piece.at for piece in line.suspensions)].sum())
     frames = mesh.frames[mesh.nodes(piece.at for piece in line.registrations)]

@@ -87,6 +87,8 @@ _PURPOSE = {
     "static.json": "results",
     "droppers.csv": "dropper table",
     "elasticity.csv": "elasticity",
+    "conditions.csv": "conditions",
+    "conditions.html": "page of the conditions",
     "force.csv": "force history",
     "record.html": "validation record",
     "record.json": "record as data",

@@ -134,7 +134,7 @@ def ends_of_wires(model: Model, condition: Condition | None = None) -> list[Wire
                     side=side,
                     node=node,
                     outward=(1.0 if side else -1.0) * model.mesh.frames.axes[node, 0],
-                    tension=run.wire.tension if given is None else given,
+                    tension=strand.leads[side] * (run.wire.tension if given is None else given),
                     is_anchored=end.kind == "anchored",
                     is_let_go=let_go and side == 1,
                     device=device,

@@ -15,6 +15,7 @@ from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
 from tautwire.signals.bands import WIDEST
 from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass
+from tautwire.text import DESIGN
 
 Array = NDArray[np.float64]
 
@@ -191,6 +192,7 @@ def _distinctions(run: Run) -> dict[str, str]:
     prescribed = [f"{record.uplift_force:g} N uplift" for record in run.pantographs]
     return {
         "speed": f"{round(3.6 * case.scenario.speed, 2):g} km/h",
+        "condition": case.condition or DESIGN,
         "stiffness": f"{1e-3 * case.settings.contact_stiffness:g} kN/m",
         "pantographs": f"{count} pantograph{'s' if count > 1 else ''}",
         "mesh": f"mesh {case.settings.mesh()}",
