@@ -264,6 +264,37 @@ def test_blow_off_of_one_wire(side: str, stagger: float) -> None:
     assert np.max(towards * middle) == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_blow_off_in_a_curve(side: str) -> None:
+    """In a curve the wire bows by (T/R + w) L^2/(8 H) under wind to the inside and by T/R - w under
+    wind to the outside, within 0.1 %."""
+    wind = {"speed": "20 m/s", "from": side}
+    data = bare(
+        {"name": "wind", "wind": wind}, span=50.0, ends={"left": "anchored", "right": "weighted"}
+    )
+    curved = make_case(
+        data.to_dict() | {"track": [{"arc": 100.0, "radius": 1000.0, "side": "left"}]}
+    )
+    y = states(curved)[1]["wind"].contact.position[:, 1]
+    load = 0.5 * 1.25 * 20.0**2 * D
+    towards = 1.0 if side == "right" else -1.0
+    expected = (T / 1000.0 + towards * load) * 50.0**2 / (8.0 * T)
+    assert y.max() == pytest.approx(expected, rel=1e-3)
+
+
+def test_wide_curve_is_straight() -> None:
+    """At a radius of 1e8 m a line under wind and warmth stands as on straight track; its arms pull
+    otherwise by T L/R."""
+    warm = at(40.0, "warm", wind={"speed": 5.0, "from": "left"})
+    straight = catenary(warm)
+    wide = {"track": [{"arc": 500.0, "radius": 1e8, "side": "left"}]}
+    found = [states(case)[1]["warm"] for case in (straight, make_case(straight.to_dict() | wide))]
+    assert found[0].end_pulls == pytest.approx(found[1].end_pulls, abs=1e-2)
+    assert found[0].support_heights == pytest.approx(found[1].support_heights, abs=1e-6)
+    assert found[0].arm_forces == pytest.approx(found[1].arm_forces, abs=0.013)
+    assert travel(found[0]) == pytest.approx(travel(found[1]), abs=1e-7)
+
+
 def test_two_wires_in_wind_are_two_strings() -> None:
     """Droppers share the wind between the wires as pendulums, F/l each: the two coupled strings
     within 0.3 %, and neither wire as far as or less than it would go alone."""

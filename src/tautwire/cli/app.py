@@ -275,50 +275,6 @@ def losses(
 
 
 @app.command()
-def compare(
-    run_file: Annotated[
-        Path, typer.Argument(metavar="RUN.nc", help="Result of \"tautwire run\".")
-    ],
-    measured: Annotated[
-        Path,
-        typer.Argument(
-            metavar="MEASURED.csv",
-            help="Table with position and force, and time, speed, uplift where measured.",
-        ),
-    ],
-    pantograph: Annotated[
-        str | None,
-        typer.Option(
-            "--pantograph", metavar="NAME", help="The leading one by default.", show_default=False
-        ),
-    ] = None,
-    offset: Annotated[
-        str,
-        typer.Option(
-            "--offset", metavar="LENGTH", help="Position in the model of the measurement's zero."
-        ),
-    ] = "0 m",
-    filtered: Annotated[
-        bool, typer.Option("--filtered", help="The measured force is low-passed at 20 Hz already.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", metavar="FILE", help="CSV file with both forces over the position.",
-            show_default=False,
-        ),
-    ] = None,
-    as_json: JsonOption = False,
-) -> None:  # fmt: skip
-    """Compare a run with a measured one, after EN 50318."""
-    with answering(as_json) as answer:
-        from tautwire.cli.commands.results import Measurement, compare_run
-
-        wanted = Measurement(measured, pantograph, offset, filtered)
-        compare_run(answer, run_file, wanted, out)
-
-
-@app.command()
 def reproduce(
     study: Annotated[
         str, typer.Argument(metavar="STUDY", help="Published study: en50318-2002 or song2021.")

@@ -17,7 +17,6 @@ from tautwire.measured.recording import Recording
 from tautwire.tables.columns import RECORDING
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import Sheet
-from tautwire.text import shortened
 
 MAPPING = ".mapping.yaml"
 MOST_BYTES = 4_000_000_000
@@ -124,11 +123,10 @@ def _mapping_of(file: Path, source: Source, given: Path | None) -> tuple[SheetMa
         return _read_mapping(chosen, source.sheets), chosen
     proposals = [found for sheet in source.sheets if (found := propose(sheet, (RECORDING,)))]
     if not proposals:
-        heads = ", ".join(str(cell) for cell in source.sheets[0].rows[0] if cell is not None)
         raise InputError(
             f"{named(file)}: is no recording that can be recognised; it needs a row of headings "
             "with a time or position and a force, acceleration, height or stagger, as in "
-            f"'time [s]', 'position [m]', 'contact force [N]'; it begins with: {shortened(heads)}"
+            f"'time [s]', 'position [m]', 'contact force [N]'"
         )
     return max(proposals, key=lambda one: len(one.uses)), None
 

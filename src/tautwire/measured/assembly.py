@@ -80,6 +80,7 @@ def assemble(
     """
     rows, numbered = _sorted_in(channels, list(notes))
     _refuse_few(label, rows)
+    _refuse_empty(label, rows)
     _time_of_day(label, rows)
     chainage = rows.get("position")
     way = _way(label, rows)
@@ -140,6 +141,17 @@ def _refuse_few(label: str, rows: _Rows) -> None:
         rows.keep(known)
     if rows.count < 2:
         raise InputError(f"{label}: fewer than two rows have a {base}")
+
+
+_SAYING = ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift")
+"""Channels of which a recording has at least one."""
+
+
+def _refuse_empty(label: str, rows: _Rows) -> None:
+    """Refuse a recording without any reading, with the reason for each column."""
+    if not any(name.startswith(_SAYING) for name in rows.values):
+        reasons = "; ".join(rows.notes[:5])
+        raise InputError(f"{label}: holds no reading of a force or of the wire: {reasons}")
 
 
 def _time_of_day(label: str, rows: _Rows) -> None:

@@ -97,6 +97,17 @@ def _tree(group: Any, depth: int = 0) -> dict[str, Any]:
     return found
 
 
+def is_computed(path: Path) -> bool:
+    """Tell whether a file is a result of this program, and no recording."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return file.attrs.get("format") == FORMAT
+    except OSError:
+        return False
+
+
 def _refuse_run(path: Path, attributes: Mapping[str, Any]) -> None:
     if attributes.get("format") == FORMAT:
         raise InputError(
