@@ -224,8 +224,8 @@ def test_shares_of_contact_wires_are_written_and_drawn() -> None:
     view = prepare(run, "")
     force = view.forces[0]
     assert sum(force.shares.values()) == pytest.approx(force.low, abs=1e-6)
-    names = [curve.name for curve in force_figure([view]).data]
-    assert {"0–20 Hz on T1 contact", "0–20 Hz on T2 contact"} <= set(names)
+    names = {curve.get("name") for curve in force_figure([view]).to_dict()["data"]}
+    assert {"0–20 Hz on T1 contact", "0–20 Hz on T2 contact"} <= names
     assert prepare(make_run(make_case(spans=3)), "").forces[0].shares == {}
 
 
