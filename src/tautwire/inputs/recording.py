@@ -17,6 +17,7 @@ from tautwire.measured.recording import Recording
 from tautwire.tables.columns import RECORDING
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import Sheet
+from tautwire.text import shortened
 
 MAPPING = ".mapping.yaml"
 MOST_BYTES = 4_000_000_000
@@ -162,4 +163,6 @@ def _unread(source: Source, mapping: SheetMapping) -> list[str]:
     others: list[Sheet] = [sheet for sheet in source.sheets if sheet is not mapping.sheet]
     if not others:
         return []
-    return [f"not read: {', '.join(sheet.name for sheet in others)}"]
+    heads = (", ".join(str(cell) for cell in sheet.rows[0] if cell) for sheet in others)
+    names = (f"{sheet.name} ({shortened(head)})" for sheet, head in zip(others, heads, strict=True))
+    return [f"not read: {'; '.join(names)}"]
