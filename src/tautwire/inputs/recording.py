@@ -109,7 +109,13 @@ def open_recording(
         raise InputError(f"{named(file)}: {what}; give a recording, in parts if need be")
     source = open_source(file)
     found, said_by = _mapping_of(file, source, Path(mapping) if mapping is not None else None)
-    channels = read_channels(source, found)
+    if found.first_row >= len(found.sheet.rows):
+        raise InputError(f"{found.sheet.label}: has headings and no rows below them")
+    try:
+        channels = read_channels(source, found)
+    except (ValueError, IndexError, OSError, UnicodeError) as error:
+        what = shortened(str(error), 200)
+        raise InputError(f"{named(file)}: its rows do not fit its headings ({what})") from None
     notes = [*found.notes, *_unread(source, found)]
     recording = assemble(str(file), channels, speed=speed, positive=found.positive, notes=notes)
     target = said_by or file.with_name(file.stem + MAPPING)
