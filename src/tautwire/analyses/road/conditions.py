@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.elasticity import TOGETHER
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.operate import operate
 from tautwire.errors import ConvergenceError, ModelError
@@ -21,11 +22,7 @@ Array = NDArray[Any]
 
 
 def compare_conditions(
-    model: Model,
-    design: Equilibrium,
-    *,
-    with_elasticity: bool = True,
-    watch: Callable[[str], None] | None = None,
+    model: Model, design: Equilibrium, *, with_elasticity: bool = True
 ) -> tuple[ConditionState, ...]:
     """Find the state of a line in its design and in every condition of its case.
 
@@ -37,27 +34,46 @@ def compare_conditions(
         Its design.
     with_elasticity
         Whether the elasticity of every state is computed.
-    watch
-        Called with the name of each condition before it; what it raises ends the computation.
 
     Returns
     -------
     tuple of ConditionState
         The design first. A condition without a state has its reason as ``fault``.
     """
-    states = []
-    for name in (None, *(one.name for one in model.case.conditions)):
-        if watch is not None:
-            watch(name or DESIGN)
-        own = replace(model, case=model.case.with_condition(name))
-        try:
-            shape = operate(own, design)
-            found = compute_elasticity(own, shape) if with_elasticity else None
-            states.append(state_of(own, shape, found))
-        except (ConvergenceError, ModelError) as error:
-            told = tuple(_told(own))
-            states.append(ConditionState(name or DESIGN, told, _without_name(str(error), name)))
-    return tuple(states)
+    names = (None, *(one.name for one in model.case.conditions))
+    return tuple(examine(model, design, name, with_elasticity=with_elasticity) for name in names)
+
+
+def examine(
+    model: Model,
+    design: Equilibrium,
+    name: str | None,
+    *,
+    with_elasticity: bool = True,
+    watch: Callable[[int, int], None] | None = None,
+) -> ConditionState:
+    """Find the state of a line in one condition, or why there is none.
+
+    Parameters
+    ----------
+    model
+        The line.
+    design
+        Its design.
+    name
+        Of the condition; None for the design.
+    with_elasticity
+        Whether the elasticity is computed.
+    watch
+        Called before every point of the elasticity, see :func:`elasticity`.
+    """
+    own = replace(model, case=model.case.with_condition(name))
+    try:
+        shape = operate(own, design)
+        found = compute_elasticity(own, shape, watch=watch) if with_elasticity else None
+        return state_of(own, shape, found)
+    except (ConvergenceError, ModelError) as error:
+        return ConditionState(name or DESIGN, tuple(_told(own)), _without_name(str(error), name))
 
 
 def _without_name(text: str, name: str | None) -> str:
@@ -112,10 +128,14 @@ def _extent(values: Array) -> tuple[float, ...]:
 def _reach(
     shape: Equilibrium, masts: tuple[float, ...], first: int, last: int
 ) -> tuple[Extreme, Extreme, tuple[float, ...]]:
-    """Return where contact wires lie farthest to either side, and between which heights."""
+    """Return where contact wires lie farthest to either side, and between which heights.
+
+    A wire that is raised out of the way of pantographs does not count.
+    """
     points = np.concatenate([wire.position for wire in shape.of_role("contact")])
     inside = (points[:, 0] >= masts[first - 1]) & (points[:, 0] <= masts[last])
-    points = points[inside]
+    is_run_on = points[:, 2] <= shape.running_height(points[:, 0]) + TOGETHER
+    points = points[inside & is_run_on]
 
     def extreme(row: int) -> Extreme:
         x = float(points[row, 0])

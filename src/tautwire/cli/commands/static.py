@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from tautwire.analyses.road.conditions import compare_conditions
+from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import backend, program
@@ -16,7 +16,7 @@ from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
-from tautwire.cli.session import FAILED, Answer, OutputError
+from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
@@ -78,23 +78,25 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             answer.say(f"shape found in {found - begin:.1f} s of CPU time; elasticity follows")
             elasticity = _elasticity(answer, interrupts, model, shape)
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
+            states = _conditions(answer, interrupts, model, shape, elasticity)
             name = backend(case.settings.backend)
             with interrupts.patient():
                 odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
                 answer.advise(odd)
                 warnings = [str(item) for item in odd]
                 answer.document.update(static_document(case, shape, elasticity, name, warnings))
+                if interrupts.exit_code:
+                    answer.document["status"] = "partial"
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
-                states = _conditions(answer, model, shape)
+                _show_conditions(answer, states)
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
                     _write_conditions(files, case, states)
                     _list_files(answer, files)
-            if any(state.fault for state in states):
-                answer.exit_code = FAILED
-                return
     answer.exit_code = interrupts.exit_code
+    if answer.exit_code == DONE and any(state.fault for state in states):
+        answer.exit_code = FAILED
 
 
 def _elasticity(
@@ -123,14 +125,28 @@ def _list_files(answer: Answer, files: Files) -> None:
         raise OutputError(files.problems)
 
 
-def _conditions(answer: Answer, model: Model, shape: Equilibrium) -> tuple[ConditionState, ...]:
-    """Show the conditions of the case beside each other, unless one of them was asked for."""
-    if not model.case.conditions or model.case.condition is not None:
+def _conditions(
+    answer: Answer,
+    interrupts: Interrupts,
+    model: Model,
+    design: Equilibrium,
+    elasticity: Elasticity | None,
+) -> tuple[ConditionState, ...]:
+    """Examine the conditions of the case, unless one of them was asked for; a signal ends it."""
+    case = model.case
+    if not case.conditions or case.condition is not None or elasticity is None:
         return ()
-    states = compare_conditions(model, shape, watch=lambda name: answer.say(f"condition {name}"))
-    answer.document["conditions"] = [state.as_dict() for state in states]
-    answer.show(*conditions_view(states))
-    return states
+    states = [state_of(model, design, elasticity)]
+    for one in case.conditions:
+        with StepWatch(answer, interrupts, one.name) as watch, interrupts.patient():
+            states.append(examine(model, design, one.name, watch=watch))
+    return tuple(states)
+
+
+def _show_conditions(answer: Answer, states: tuple[ConditionState, ...]) -> None:
+    if states:
+        answer.document["conditions"] = [state.as_dict() for state in states]
+        answer.show(*conditions_view(states))
 
 
 def _write_conditions(files: Files, case: Case, states: tuple[ConditionState, ...]) -> None:
