@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.vibration.modes import modes
+    from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
     from tautwire.inputs.recording import load_recording
@@ -67,6 +68,7 @@ __all__ = [
     "__version__",
     "build",
     "compare_losses",
+    "compare_with_measurement",
     "contact_loss",
     "contact_statistics",
     "elasticity",
@@ -105,6 +107,7 @@ _HOMES = {
     "VariableStep": "tautwire.numerics.events.step_control",
     "build": "tautwire.model.build",
     "compare_losses": "tautwire.analyses.force.loss_comparison",
+    "compare_with_measurement": "tautwire.assessment.measurement",
     "contact_loss": "tautwire.analyses.force.contact_loss",
     "contact_statistics": "tautwire.analyses.force.statistics",
     "elasticity": "tautwire.analyses.road.elasticity",

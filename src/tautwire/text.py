@@ -32,6 +32,9 @@ def marked(text: str, *, is_carried: bool) -> str:
     return text if is_carried else f"{text}\N{NO-BREAK SPACE}{MARK}"
 
 
+DESIGN = "design"
+"""Name of the state of a line without a condition."""
+
 LONGEST_NAME = 60
 """Characters of a name: it stands in columns of tables and in names of files."""
 

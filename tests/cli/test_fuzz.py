@@ -22,7 +22,7 @@ import yaml
 
 from tautwire.catalogue.entries import read_entry
 from tautwire.errors import InputError
-from tautwire.inputs.measured import read_measured
+from tautwire.inputs.recording import load_recording
 from tautwire.studies.axes import write_out
 from tautwire.studies.plan import plan_study
 from tautwire.studies.study_file import load_study
@@ -143,7 +143,7 @@ def _planned(path: Path) -> str:
 
 def _recorded(path: Path) -> str:
     try:
-        read_measured(path)
+        load_recording(path)
     except InputError as error:
         return "" if len(str(error)) < 20_000 else "a very long message"
     return ""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .conftest import Invoke
+from .conftest import Invoke, Outcome
 
 
 def _recording(path: Path, heads: str = "position [km];F_1_1 [N];F_1_2 [N];speed [km/h]") -> Path:
@@ -57,3 +57,29 @@ def test_refusals_have_a_cure(invoke: Invoke, tmp_path: Path) -> None:
     heavy = invoke("measured", path, "--speed", "200 km/h", "--strip-mass", "3 kg")
     assert heavy.code == 2
     assert "strip 1 has no accelerometer" in heavy.err
+
+
+def test_compare_several(short_run: tuple[Path, Outcome], invoke: Invoke, tmp_path: Path) -> None:
+    """One run beside two recordings gives two comparisons, one page and what both cover; files that
+    make no pairs and pantographs that are not there are refused."""
+    run = short_run[0] / "run.nc"
+    rows = (short_run[0] / "force.csv").read_text(encoding="utf-8").splitlines()
+    for name, offset in (("a.csv", 0.0), ("b.csv", 12_000.0)):
+        cells = [row.split(",") for row in rows[1:]]
+        text = "".join(f"{t};{float(x) + offset:.4f};{f}\n" for t, x, f, *_ in cells)
+        (tmp_path / name).write_text("Zeit [s];Weg [m];Kontaktkraft [N]\n" + text)
+    told = invoke("compare", run, "a.csv", "a.csv", "--out", "both", "--json")
+    assert told.code == 0, told.err
+    assert len(told.document["comparisons"]) == 2
+    assert told.document["covers"]["lines"] == ["ac-simple"]
+    assert {path.name for path in (tmp_path / "both").iterdir()} == {
+        "comparison.html", "comparison.json", "forces.csv", "forces-2.csv",
+    }  # fmt: skip
+    apart = invoke("compare", run, "b.csv")
+    assert apart.code == 2
+    assert "give the offset of the measurement's zero" in apart.err
+    assert invoke("compare", run, "b.csv", "--offset", "-12 km").code == 0
+    assert "give a recording too" in invoke("compare", run).err
+    assert "make no pairs" in invoke("compare", run, run, "a.csv", "a.csv", "b.csv").err
+    assert "no pantograph" in invoke("compare", run, "a.csv", "--pantograph", "fifth").err
+    assert "'tautwire report" in invoke("measured", run).err

@@ -92,7 +92,7 @@ def test_compare_for_people(short_run: tuple[Path, Outcome], invoke: Invoke) -> 
     assert "−20 to 20 %" in outcome.out
     assert "met, unverified" in outcome.out
     assert re.search(r"tolerances +all \d met", outcome.out)
-    assert "has no time" in outcome.err
+    assert "there is neither time nor speed; the rows are timed by 320 km/h" in outcome.err
 
 
 def test_compare_says_what_is_missed(short_run: tuple[Path, Outcome], invoke: Invoke) -> None:
@@ -106,6 +106,7 @@ def test_compare_says_what_is_missed(short_run: tuple[Path, Outcome], invoke: In
     assert re.search(r"tolerances +\d of \d missed: ", outcome.out)
     assert "missed, unverified" in outcome.out
     assert "runs towards falling positions" in outcome.err
+    assert "the train ran towards falling chainage" in outcome.err
 
 
 def test_copy_and_check(invoke: Invoke) -> None:

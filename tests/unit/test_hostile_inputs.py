@@ -10,8 +10,8 @@ import pytest
 
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
-from tautwire.inputs.measured import read_measured
 from tautwire.inputs.reading.grouping import SHOWN
+from tautwire.inputs.recording import load_recording
 from tautwire.studies.study_file import load_study
 from tautwire.text import csv_text, printable, shortened, unprintable
 
@@ -144,16 +144,15 @@ def test_large_tables(tmp_path: Path) -> None:
 
 
 def test_record_full_of_faults(tmp_path: Path) -> None:
-    """A long record is left after a thousand faults; what is told fits on a screen."""
+    """A long record without one number is refused in a sentence, in no time."""
     path = tmp_path / "run.csv"
     path.write_text("position,force\n" + "".join(f"{i},much\n" for i in range(500_000)))
     start = time.process_time()
     with pytest.raises(InputError) as caught:
-        read_measured(path)
+        load_recording(path)
     assert time.process_time() - start < PATIENCE
-    assert len(caught.value.problems) == SHOWN + 1
-    assert caught.value.problems[-2].endswith("(and 995 more like this)")
-    assert caught.value.problems[-1].endswith("the rows after these were not looked at")
+    (told,) = caught.value.problems
+    assert "'force' holds hardly any numbers ('much')" in told
 
 
 @pytest.mark.parametrize(
@@ -289,12 +288,12 @@ def test_foreign_files_are_not_quoted(name: str, text: str, tmp_path: Path) -> N
 
 
 def test_records_of_others_are_not_quoted(tmp_path: Path) -> None:
-    """A record must have one of the columns of a record before its cells are spoken of."""
+    """A file must have the headings of a recording before its cells are spoken of."""
     path = tmp_path / "shadow"
     path.write_text(f"{SECRET};x\n")
     with pytest.raises(InputError) as caught:
-        read_measured(path)
-    assert "is not a table with the columns time, position, force" in str(caught.value)
+        load_recording(path)
+    assert "is no recording that can be recognised" in str(caught.value)
     assert SECRET not in str(caught.value)
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
-from tautwire.inputs.measured import read_measured
 from tautwire.inputs.reading.grouping import SHOWN
 from tautwire.specs import Case
+from tautwire.specs.line.dropper import Droppers
 
 SUPPORTS = """\
 # as built
@@ -67,6 +66,7 @@ def test_tables_describe_a_line(tmp_path: Path) -> None:
     assert case.supports.encumbrances(4) == (1.2, 1.25, 1.2, 1.2)
     assert case.supports.contact_staggers(4) == (0.2, -0.2, 0.15, 0.2)
     assert case.supports.messenger_staggers(4) == (0.2, -0.2, 0.15, 0.2)
+    assert isinstance(case.droppers, Droppers)
     assert case.droppers.positions_by_span(3) == ((5.0, 25.0, 45.0), (5.5, 49.5), (30.0,))
     assert case.droppers.presag_by_span(3) == ((0.0, 0.0125, 0.0), (0.0, 0.0), (-0.005,))
 
@@ -90,6 +90,7 @@ def test_lengths_and_presag_in_one_table(tmp_path: Path) -> None:
     table = "span,dropper,position,presag,length\n1,1,20,0.01,1.1\n"
     text = "line: {spans: 1}\ndroppers: {mode: length}\n"
     case = load_with(tmp_path, text, droppers=table)
+    assert isinstance(case.droppers, Droppers)
     assert case.droppers.lengths_by_span(1) == ((1.1,),)
     assert case.droppers.presag_by_span(1) == ((0.01,),)
 
@@ -286,60 +287,3 @@ def test_profile_of_the_running_surface(tmp_path: Path) -> None:
 def test_bad_profile(table: str, words: str, tmp_path: Path) -> None:
     """A message names file, line and column of what is wrong with a profile."""
     assert words in problems_of(tmp_path, PROFILE, profile=table)
-
-
-def measured(folder: Path, text: str) -> Path:
-    """Write a measured run."""
-    path = folder / "run.csv"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def test_measured_run(tmp_path: Path) -> None:
-    """A measured run has positions and forces; other columns are optional or ignored."""
-    text = (
-        "time [ms],position [km],Force [N],arc,speed [km/h],uplift [mm]\n"
-        "0,1,150,0,320,3\n"
-        "5,1.1,160,1,320,4\n"
-    )
-    run = read_measured(measured(tmp_path, text))
-    assert run.time is not None
-    assert run.speed is not None
-    assert run.uplift is not None
-    np.testing.assert_allclose(run.position, [1000.0, 1100.0])
-    np.testing.assert_allclose(run.force, [150.0, 160.0])
-    np.testing.assert_allclose(run.time, [0.0, 0.005])
-    np.testing.assert_allclose(run.speed, 320 / 3.6)
-    np.testing.assert_allclose(run.uplift, [0.003, 0.004])
-
-
-def test_measured_run_without_time_backwards(tmp_path: Path) -> None:
-    """A run against the chainage without time is read as it is."""
-    run = read_measured(measured(tmp_path, "position,force\n9,1\n8,2\n8,3\n"))
-    assert run.time is None
-    np.testing.assert_array_equal(run.position, [9.0, 8.0, 8.0])
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("time,force\n0,1\n1,2\n", "the column 'position' is missing; there are: time, force"),
-        ("position,force\n0,1\n", "has one row; a record has at least two samples"),
-        ("position,force\n0,1\n1,\n", "line 3, column 'force': is empty"),
-        (
-            "time,position,force\n0,0,1\n0,1,1\n",
-            "line 3, column 'time': does not increase; sort the rows by time",
-        ),
-        (
-            "position,force\n0,1\n2,1\n1,1\n3,1\n",
-            "line 4, column 'position': turns back; give one passage in one direction",
-        ),
-        ("position,force\n0,1\n1,x\n2,y\n", "line 4, column 'force': got 'y'"),
-    ],
-    ids=range(6),
-)
-def test_bad_measured_run(text: str, words: str, tmp_path: Path) -> None:
-    """A message names file, line and column."""
-    with pytest.raises(InputError) as caught:
-        read_measured(measured(tmp_path, text))
-    assert words in str(caught.value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -85,3 +86,15 @@ def test_verdicts_in_a_client_s_words(within: bool | None, verified: bool, words
     check = replace(CHECK, within=within, verified=verified)
     assert check.words == words
     assert check.as_dict()["words"] == words
+
+
+def test_faults_are_told_in_words(tmp_path: Path) -> None:
+    """What is wrong in a file of limits or of span tables is said as in a case, not by pydantic."""
+    path = tmp_path / "own.yaml"
+    path.write_text("schema: 1\nlimits: [{standard: X, value: high, unit: N}, 3]\n", "utf-8")
+    with pytest.raises(InputError) as caught:
+        load_limits(path)
+    told = "\n".join(caught.value.problems)
+    assert "limits[1].edition: is missing" in told
+    assert "limits[2]: got 3; expected a mapping" in told
+    assert not re.search(r"Field required|Input should|validation", told)

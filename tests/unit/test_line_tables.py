@@ -187,6 +187,13 @@ def test_every_bad_cell_is_named(tmp_path: Path) -> None:
     assert "cell B7 (Chainage [km+m]): is empty" in told
 
 
+def test_names_hold_no_control_characters(tmp_path: Path) -> None:
+    """A mast whose name turns the direction of the text is refused with its cell."""
+    text = "Mast;Chainage [m]\nA;0\n\u202eB;50\n"
+    with pytest.raises(InputError, match=r"line 3, column 1 .*control character U\+202E"):
+        load_case(table(tmp_path / "t.csv", text))
+
+
 def test_two_columns_of_one_meaning_are_not_guessed(tmp_path: Path) -> None:
     """Two columns that could be the same are refused by name."""
     text = "Mast;Chainage [m];Station [m]\nA;0;0\nB;60;60\n"

@@ -11,13 +11,14 @@ from rich.console import Console
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.assessment.checks import Criteria
-from tautwire.cli.views.loss_view import loss_view
+from tautwire.cli.views.loss_view import loss_cells, loss_view
 from tautwire.cli.views.run_view import run_view
 from tautwire.inputs.load import load_case
 from tautwire.model.preflight import preflight
 from tautwire.report.pages.run_page import write_report
 from tautwire.report.parts.tables import force_history_csv
 from tautwire.results.run import Run
+from tautwire.results.statistics import ContactLoss
 from tautwire.results.storage import load_run, save_run
 
 
@@ -88,3 +89,11 @@ def test_advice_is_kept_in_the_run(coarse_run: Run, tmp_path: Path) -> None:
     assert set(wanted) <= set(load_run(tmp_path / "run.nc").warnings)
     page = write_report(coarse_run, tmp_path / "report.html").read_text("utf-8")
     assert "elements of up to 1.92 m" in page
+
+
+def test_losses_of_a_section_never_reached() -> None:
+    """A pantograph that never was in the section has no count of losses, not a count of 0."""
+    never = ContactLoss("rear", 0.0, ())
+    text = rendered(loss_view(never))
+    assert "rear was never in the section" in text
+    assert loss_cells([never], lambda loss: str(loss.count)) == ["–"]

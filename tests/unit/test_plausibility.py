@@ -121,6 +121,40 @@ def test_arms_at_odd_angles() -> None:
     assert "at support 6" in text
 
 
+TROLLEY: dict[str, Any] = {
+    "schema": 2,
+    "name": "loop",
+    "line": {"spans": 5, "span_length": "38 m", "ends": "weighted"},
+    "wires": {"contact": {"use": "AC-100 Cu", "tension": "9.5 kN"}},
+    "supports": {
+        "use": "light cantilever",
+        "contact_height": "5.5 m",
+        "contact_stagger": "0.2 m",
+        "closure": "height",
+    },
+    "pantographs": [{"use": "benchmark-2015", "name": "front", "static_force": "70 N"}],
+    "scenario": {"speed": "40 km/h"},
+    "settings": {"contact_stiffness": "50 kN/m", "section": [3, 3], "band": "20 Hz"},
+}
+
+
+@pytest.mark.parametrize("closure", ["height", "lift"])
+def test_contact_wire_alone_on_arms(closure: str) -> None:
+    """Without droppers, which need not be said, arms stand at 50 degrees or let the wire fall by
+    metres; the spring that is advised hangs it."""
+    case = make_case(TROLLEY, {"supports.closure": closure})
+    (text,) = told(case)
+    odd = (
+        r"stand outside 0 to 20°.*: 5\d\.\d° at"
+        if closure == "height"
+        else r"lies \d\.\d\d m below"
+    )
+    assert re.search(odd, text)
+    assert "supports.closure 'spring' with supports.spring, as in {stiffness: 2 kN/m}" in text
+    cured = {"supports.closure": "spring", "supports.spring": {"stiffness": "2 kN/m"}}
+    assert told(make_case(TROLLEY, cured)) == []
+
+
 def test_slack_droppers_are_named() -> None:
     """A dropper that is 0.9 m too long carries nothing, and is named with span and number."""
     shape = find_shape(build(line()))
@@ -187,6 +221,7 @@ def test_base_spring_that_takes_the_force() -> None:
     assert not [text for text in run_case(even).warnings if text.startswith("mean force")]
 
 
+@pytest.mark.slow
 def test_warnings_reach_every_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """``check``, ``static``, ``run`` and its report say the same of an own line."""
     import json

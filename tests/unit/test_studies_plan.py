@@ -221,3 +221,32 @@ def test_example_studies(path: Path) -> None:
     made = plan_study(load_study(path))
     assert len(made.points) > 1
     assert not any(point.problems for point in made.points)
+
+
+def test_conditions_are_axes(tmp_path: Path) -> None:
+    """A condition, its weather and every value of a defect can be an axis; a range of temperatures
+    has a step in K, never in degrees."""
+    text = (
+        "include: ac-simple\nname: weather\nwires:\n"
+        "  contact: {thermal_expansion: 17e-6}\n  messenger: {thermal_expansion: 17e-6}\n"
+        "droppers: {thermal_expansion: 17e-6}\n"
+        "conditions:\n  - {name: hot, temperature: 40 degC, reference: 15 degC}\n"
+        "  - {name: broken, defects: [{kind: missing dropper, span: 5, dropper: 1}]}\n"
+    )
+    base = tmp_path / "weather.yaml"
+    base.write_text(text, encoding="utf-8")
+    warm = {"from": "-20 degC", "to": "40 degC", "step": "20 K"}
+    axes: dict[str, Any] = {
+        "condition": ["hot", "broken"],
+        "conditions[1].temperature": warm,
+        "conditions[2].defects[1].dropper": {"from": 1, "to": 9, "step": 4},
+        "conditions[2].defects[1].kind": ["missing dropper", "slack dropper"],
+    }
+    made = plan(axes, base=str(base))
+    assert made.shape == (2, 4, 3, 2)
+    case = made.case(made.points[-1])
+    assert case.condition == "broken"
+    assert case.conditions[0].temperature == 40.0
+    assert str(case.conditions[1].defects[0]) == "slack dropper: dropper 9 of span 5"
+    told = refusal({"conditions[1].temperature": {**warm, "step": "20 degC"}}, base=str(base))
+    assert "a difference of temperatures is in K" in told

@@ -169,3 +169,25 @@ def test_expectation_of_a_pure_number() -> None:
     """A pure number has no unit in its expectation, an unlisted unit has a plain example."""
     assert expectation("") == "a pure number, for example 1"
     assert "for example '1 kg m'" in expectation("kg m")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("35 degC", 35.0), ("-40 °C", -40.0), ("95 degF", 35.0), ("20", 20.0)]
+)
+def test_temperatures(text: str, value: float) -> None:
+    """A temperature is held in degC, whatever scale it is given in."""
+    assert parse_quantity(text, "degC") == pytest.approx(value, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "told"),
+    [
+        ("20 K", "degC", "expected a temperature"),
+        ("20 degC", "K", "a difference of temperatures is in K"),
+        ("3 K", "m", "which is a difference of temperatures"),
+    ],
+)
+def test_temperatures_are_no_differences(text: str, unit: str, told: str) -> None:
+    """A temperature is no difference and a difference no temperature."""
+    with pytest.raises(UnitError, match=told):
+        parse_quantity(text, unit)

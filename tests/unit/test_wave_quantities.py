@@ -15,6 +15,7 @@ from tautwire.assessment.wave_quantities import (
     reflection_coefficient,
     wave_quantities,
 )
+from tautwire.specs.case import Case
 
 from .synthetic import make_case
 
@@ -94,10 +95,20 @@ def test_head_resonance_of_the_benchmark_pantograph() -> None:
 
 
 def test_passing_lengths_of_a_line() -> None:
-    """Span, the most frequent dropper interval and the first interval of the middle span."""
+    """Span, the most frequent dropper interval and the interval beside the supports."""
     lengths = passing_lengths(make_case())
     assert lengths == {
         "span": 55.0,
         "dropper interval": 5.75,
         "support-dropper interval": 4.5,
     }
+
+
+def test_midspan_estimate_without_droppers() -> None:
+    """A contact wire alone counts by its own tension: 40 m under 12.3 kN, L/(4 T) = 0.813 mm/N."""
+    data = make_case().to_dict()
+    data["wires"] = {"contact": {**data["wires"]["contact"], "tension": 12.3e3}}
+    del data["droppers"]
+    data["line"]["span_length"] = 40.0
+    rows = {row.name: row for row in wave_quantities(Case.model_validate(data))}
+    assert rows["mid-span elasticity, estimate"].value == pytest.approx(40.0 / (4.0 * 12.3e3))

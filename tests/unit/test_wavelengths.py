@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +19,15 @@ from tautwire.analyses.vibration.wavelengths import (
     strength_at,
     strengths,
 )
+from tautwire.assessment.wave_quantities import passing_lengths
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
+from tautwire.report.figures import style
+from tautwire.report.figures.force_figures import passings
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.filters import Butterworth
 from tautwire.signals.spectra import amplitude_spectrum
+from tautwire.specs.case import Case
 
 from ..lines import ac_simple, found
 from .synthetic import make_case, make_run
@@ -163,3 +169,49 @@ def test_strength_over_the_background() -> None:
     assert [item.name for item in found_lines] == ["element"]
     with pytest.raises(InputError, match="outside"):
         strength_at(spectrum, 900.0)
+
+
+PAIRS = [5.0, 14.4, 14.9, 28.6, 29.1, 30.0 + 12.6, 43.1, 53.0]
+"""Droppers in pairs half a metre apart [m], alone at both ends of a span of 58 m."""
+
+
+def pairs_line() -> Case:
+    """Return a line whose droppers hang in pairs."""
+    return ac_simple(line__span_length=58.0, droppers__positions=PAIRS, droppers__presag=[0.0] * 8)
+
+
+def test_pairs_of_droppers_are_passed_as_one() -> None:
+    """DD is the distance of the pairs' middles, SD that of the first dropper."""
+    lengths = line_lengths(pairs_line())
+    assert lengths.dropper_interval == pytest.approx(14.2, abs=0.21)
+    assert lengths.support_interval == 5.0
+    assert lengths.shortest == 5.0
+    assert line_lengths(ac_simple()).dropper_interval == 5.75
+
+
+def test_check_advice_and_report_name_the_same_lengths() -> None:
+    """On unequal spans wave quantities, advice and spectrum mark the same span, DD and SD."""
+    spans = [50.0, 50.0, 60.0, 50.0, 60.0, 50.0, 45.0]
+    rows = [[4.0, 13.0, 22.0, 31.0, 40.0]] * 7
+    case = ac_simple(
+        line__spans=7, line__span_length=spans, settings__section=[2, 6],
+        droppers__positions=rows, droppers__presag=[[0.0] * 5] * 7,
+    )  # fmt: skip
+    lengths, passed = line_lengths(case), passing_lengths(case)
+    assert passed == {
+        "span": lengths.span,
+        "dropper interval": lengths.dropper_interval,
+        "support-dropper interval": lengths.support_interval,
+    }
+    assert lengths.span == 50.0
+    view: Any = SimpleNamespace(
+        run=SimpleNamespace(case=case),
+        statistics=SimpleNamespace(section=SimpleNamespace(first_span=2, last_span=6)),
+    )
+    assert {line.length for line in passings(view) if line.order == 1} == set(passed.values())
+
+
+@pytest.mark.parametrize(("span", "labels"), [(72.0, (72.0, 20.0)), (30.0, (30.0, 10.0))])
+def test_wavelength_axis_begins_with_the_span(span: float, labels: tuple[float, float]) -> None:
+    """The first label is the line's own span; round numbers follow well below it."""
+    assert style.wavelengths(span)[:2] == labels

@@ -180,6 +180,20 @@ def test_weights_keep_the_tension_and_travel() -> None:
     assert 5.0 * travel(found["5 degC"]) == pytest.approx(-0.3485, rel=1e-3)
 
 
+def test_both_ends_travel_from_the_fixed_point() -> None:
+    """With weights at both ends each travels alpha L dT from the fixed point, within 0.1 %, and the
+    fixed point stays."""
+    ends = {"left": "weighted", "right": "weighted"}
+    data = bare(at(45.0), spans=8, span=50.0).to_dict()
+    data["tension_lengths"] = [{"name": "T1", "masts": [1, 9], "ends": ends, "fixed_point": 4}]
+    shape = states(make_case(data))[1]["45 degC"]
+    assert shape.operated is not None
+    expected = ALPHA * 30.0 * np.array([150.0, 250.0])
+    assert shape.operated.end_travel[:, 0] == pytest.approx(expected, rel=1e-3)
+    wire = shape.wire("T1 contact")
+    assert wire.position[np.searchsorted(wire.s, 150.0 - 1e-6), 0] == pytest.approx(150.0, abs=1e-9)
+
+
 def test_friction_loses_its_loop() -> None:
     """Weights with friction hold a wire still between T eta and T/eta; there and back the loop of
     tension over travel has the area T (1/eta - eta) per metre, within 0.1 %."""
@@ -262,6 +276,37 @@ def test_blow_off_of_one_wire(side: str, stagger: float) -> None:
     towards = 1.0 if side == "right" else -1.0
     expected = lateral_position(Blown(T, load, np.inf, (-stagger, stagger)), 60.0, "inside")
     assert np.max(towards * middle) == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_blow_off_in_a_curve(side: str) -> None:
+    """In a curve the wire bows by (T/R + w) L^2/(8 H) under wind to the inside and by T/R - w under
+    wind to the outside, within 0.1 %."""
+    wind = {"speed": "20 m/s", "from": side}
+    data = bare(
+        {"name": "wind", "wind": wind}, span=50.0, ends={"left": "anchored", "right": "weighted"}
+    )
+    curved = make_case(
+        data.to_dict() | {"track": [{"arc": 100.0, "radius": 1000.0, "side": "left"}]}
+    )
+    y = states(curved)[1]["wind"].contact.position[:, 1]
+    load = 0.5 * 1.25 * 20.0**2 * D
+    towards = 1.0 if side == "right" else -1.0
+    expected = (T / 1000.0 + towards * load) * 50.0**2 / (8.0 * T)
+    assert y.max() == pytest.approx(expected, rel=1e-3)
+
+
+def test_wide_curve_is_straight() -> None:
+    """At a radius of 1e8 m a line under wind and warmth stands as on straight track; its arms pull
+    otherwise by T L/R."""
+    warm = at(40.0, "warm", wind={"speed": 5.0, "from": "left"})
+    straight = catenary(warm)
+    wide = {"track": [{"arc": 500.0, "radius": 1e8, "side": "left"}]}
+    found = [states(case)[1]["warm"] for case in (straight, make_case(straight.to_dict() | wide))]
+    assert found[0].end_pulls == pytest.approx(found[1].end_pulls, abs=1e-2)
+    assert found[0].support_heights == pytest.approx(found[1].support_heights, abs=1e-6)
+    assert found[0].arm_forces == pytest.approx(found[1].arm_forces, abs=0.013)
+    assert travel(found[0]) == pytest.approx(travel(found[1]), abs=1e-7)
 
 
 def test_two_wires_in_wind_are_two_strings() -> None:
@@ -400,6 +445,12 @@ def test_messenger_below_the_contact_wire_is_refused() -> None:
     case = catenary(heavy, supports__encumbrance=0.9)
     with pytest.raises(ModelError, match=r"'messenger' hangs \d+ mm below 'contact'.* span \d"):
         find_shape(build(case.with_condition("heavy")))
+
+
+def test_slow_waves_are_refused() -> None:
+    """A tension with which waves are slower than the train is refused where it is given."""
+    with pytest.raises(InputError, match=r"conditions\[1\].wires.contact.tension: got 9 kN, .*"):
+        catenary({"name": "low", "wires": {"contact": {"tension": "9 kN"}}})
 
 
 def test_missing_numbers_are_asked_for() -> None:

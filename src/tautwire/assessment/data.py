@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from tautwire.errors import InputError
+from tautwire.faults import is_said_elsewhere, words_of
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import named, read_case_text
 from tautwire.inputs.reading.grouping import grouped
@@ -66,8 +67,9 @@ def _sentences(name: str, fault: ErrorDetails) -> list[str]:
     cause = fault.get("ctx", {}).get("error")
     if isinstance(cause, ContradictionError):
         return [f"{name}: {_place((*fault['loc'], *p.path))}: {p.text}" for p in cause.problems]
-    text = str(cause) if isinstance(cause, ValueError) else fault["msg"]
-    return [f"{name}: {_place(fault['loc'])}: {text}"]
+    if is_said_elsewhere(fault):
+        return []
+    return [f"{name}: {_place(fault['loc'])}: {words_of(fault)}"]
 
 
 def _place(steps: Iterable[str | int]) -> str:

@@ -1,33 +1,54 @@
-"""Comparison of a simulated run with a measured one, after EN 50318.
+"""Comparison of a simulated run with a measured one, after the process of EN 50318 and IEC 63453.
 
-Both forces are filtered in the same way, then brought to common positions over the part of the
-analysed section that was measured.
+Both forces are filtered in the same way. The measured one is laid over the line and compared where
+both were taken, at the measured places; what was not measured counts on neither side.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.assessment.coverage import Coverage, coverage_of
 from tautwire.assessment.limits import Limits, Tolerance, load_limits
+from tautwire.assessment.placement import Placement, place_on_line
 from tautwire.errors import InputError
-from tautwire.inputs.measured import MeasuredRun
+from tautwire.measured.evaluation import (
+    BANDS,
+    PERCENTILES,
+    Evaluation,
+    Treatment,
+    evaluate,
+    force_and_bands,
+    unfiltered_force,
+)
+from tautwire.measured.faults import find_faults
+from tautwire.measured.processing import EvenDistance, Processed
+from tautwire.measured.recording import Recording
+from tautwire.measured.summary import stretch_statistics
 from tautwire.plain import Plain, named
 from tautwire.results.run import Run
-from tautwire.signals.bands import band_signal
-from tautwire.signals.filters import Lowpass, SharpLowpass, evenly_spaced, is_uniform
+from tautwire.signals.bands import band_name, band_signal
+from tautwire.signals.filters import Lowpass, SharpLowpass, evenly_spaced
+from tautwire.signals.spectra import Spectrum, amplitude_spectrum
 
 Array = NDArray[np.float64]
 
-_BANDS = ((0.0, 5.0), (5.0, 20.0))
-"""Bands that are compared [Hz], those of EN 50318:2018 as remembered."""
 _UNITS = {"uplift": "m", "contact_height_range": "m"}
-_LARGE_STEP = 3.0
-"""A step longer than so many median steps is reported as a hole in the measurement."""
+_UP_TO = {
+    "standard_deviation": 20.0,
+    "maximum": 20.0,
+    "minimum": 20.0,
+    **{f"std_{band_name(band)}": band[1] for band in BANDS},
+}
+"""Frequency that the samples must hold for a number to be judged [Hz]."""
+SHORTEST_WAVE = 1.0
+"""Shortest wavelength of the spectra [m], shorter than any distance of droppers."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +72,8 @@ class MeasurementRow(Plain):
         Whether the difference is allowed; None without tolerance or value.
     passed : bool or None
         The same, but None as long as the tolerance is not verified.
-    standard, edition : str or None
-        None without tolerance.
+    standard, edition, clause : str or None
+        None without tolerance, or where the clause is not known.
     verified : bool
     note : str
     """
@@ -70,8 +91,20 @@ class MeasurementRow(Plain):
     passed: bool | None
     standard: str | None
     edition: str | None
+    clause: str | None
     verified: bool
     note: str
+
+
+@dataclass(frozen=True)
+class SpanFigures(Plain):
+    """Mean, deviation and extremes of both forces in one span [N], NaN where nothing is common."""
+
+    span: int
+    place: str
+    simulated: Mapping[str, float]
+    measured: Mapping[str, float]
+    measured_share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,14 +121,27 @@ class MeasurementComparison(Plain):
     start, end : float m
         Part of the line that was compared.
     rows : tuple of MeasurementRow
+    percentiles : mapping of str to (float, float) N
+        Force that a share of the way [%] lies below, simulated and measured.
+    spans : tuple of SpanFigures
+    coverage : Coverage
+        What the comparison speaks of.
+    placement : Placement
+    notes : tuple of str
     position : (n,) m
         Common positions, increasing.
     simulated_force, measured_force : (n,) N
-        Filtered forces there.
-    notes : tuple of str
+        Filtered forces there; NaN where nothing was measured.
+    simulated_spectrum, measured_spectrum : Spectrum or None
+        Amplitudes of the unfiltered forces over wave number.
+    evaluation : Evaluation
+        The measurement by itself.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("missed",)
+    untold: ClassVar[tuple[str, ...]] = (
+        "position", "simulated_force", "measured_force", "simulated_spectrum", "measured_spectrum",
+    )  # fmt: skip
 
     label: str = field(metadata=named("measurement"))
     pantograph: str
@@ -103,10 +149,17 @@ class MeasurementComparison(Plain):
     start: float = field(metadata=named("start_m"))
     end: float = field(metadata=named("end_m"))
     rows: tuple[MeasurementRow, ...]
+    percentiles: Mapping[str, tuple[float, float]]
+    spans: tuple[SpanFigures, ...]
+    coverage: Coverage
+    placement: Placement
+    notes: tuple[str, ...]
     position: Array
     simulated_force: Array
     measured_force: Array
-    notes: tuple[str, ...]
+    simulated_spectrum: Spectrum | None
+    measured_spectrum: Spectrum | None
+    evaluation: Evaluation
 
     @property
     def missed(self) -> tuple[str, ...]:
@@ -116,250 +169,288 @@ class MeasurementComparison(Plain):
 
 @dataclass(frozen=True, eq=False)
 class _Track:
-    """Filtered force, its bands, and uplift at the contact point over increasing positions.
+    """Forces, uplift and height at the contact point over increasing positions.
 
-    `forces` has one column for the filtered force and one per band.
+    `forces` has a row for the filtered force, one per band, and one for the unfiltered force.
     """
 
     position: Array
     forces: Array
-    uplift_position: Array
+    places: Array
     uplift: Array | None
+    height: Array | None
 
     def forces_at(self, position: Array) -> Array:
-        """Interpolate the columns of forces, (n,) m to (n, n_column) N."""
-        columns = [np.interp(position, self.position, column) for column in self.forces.T]
-        return np.column_stack(columns)
+        """Interpolate the rows of forces, (n,) m to (n_row, n) N."""
+        return np.array([np.interp(position, self.position, row) for row in self.forces])
 
-    def uplift_at(self, position: Array) -> Array:
-        """Interpolate the uplift, (n,) m to (n,) m; NaN where it was not recorded."""
-        if self.uplift is None:
+    def at(self, values: Array | None, position: Array) -> Array:
+        """Interpolate uplift or height, (n,) m to (n,) m; NaN where there is none."""
+        if values is None:
             return np.full(position.size, np.nan)
-        return np.interp(position, self.uplift_position, self.uplift)
+        return np.interp(position, self.places, values)
 
 
 def compare_with_measurement(
     run: Run,
-    measured: MeasuredRun,
+    recording: Recording,
     *,
     pantograph: str | None = None,
-    filter: Lowpass | None = None,
-    measured_is_filtered: bool = False,
+    treatment: Treatment | None = None,
     offset: float = 0.0,
+    search: float | None = None,
     limits: Limits | None = None,
 ) -> MeasurementComparison:
     """Compare a run with a measurement over the part of the section that was measured.
 
-    The simulated force is filtered over the whole record; the measured one likewise, unless it
-    is filtered already or sampled too coarsely. The uplift of a measurement is that at the
-    pantograph, so the uplift at supports is compared at the instants of passing.
+    The uplift of a measurement is that at the pantograph, so the uplift at supports is compared at
+    the instants of passing.
 
     Parameters
     ----------
     run : Run
-    measured : MeasuredRun
-        Without time its samples are timed by its speed column, or by the speed of the case.
+    recording : Recording
     pantograph : str, optional
         Name; by default the leading one.
-    filter : Lowpass, optional
-        By default the sharp filter at 20 Hz.
-    measured_is_filtered : bool
-        True leaves the measured force as it is; bands are then still taken from it.
+    treatment : Treatment, optional
+        Filter and corrections of the measurement; the simulated force is filtered alike, at 20 Hz
+        by the sharp filter where the measured one is filtered already.
     offset : float m
-        Position in the model of the measurement's zero.
+        Position in the model of the measurement's zero; where the line has chainage, what is added
+        to the recorded one.
+    search : float m, optional
+        Largest error of the recorded positions; by default nearly half of the shortest span. 0
+        takes the positions as they are.
     limits : Limits, optional
         Tolerances; by default those of the package.
-
-    Returns
-    -------
-    MeasurementComparison
 
     Raises
     ------
     InputError
-        When the measurement and the analysed section do not overlap.
+        When the measurement has no force, or nothing in common with the analysed section.
     """
-    lowpass = filter or SharpLowpass()
-    name = pantograph or run.pantographs[0].name
+    asked, name = treatment or Treatment(), pantograph or run.pantographs[0].name
+    if not len(recording.forces):
+        raise InputError(f"{recording.label}: holds no force; nothing to compare")
+    lowpass = asked.lowpass or SharpLowpass()
     simulated = _simulated_track(run, name, lowpass)
-    notes: list[str] = []
-    against = _running_directions(run, measured)
-    if against:
-        notes.append(against)
-    lower = None if measured_is_filtered else lowpass
-    track = _measured_track(run, measured, offset, lower, notes)
-    position = _common_positions(run, simulated, track)
-    forces = simulated.forces_at(position), track.forces_at(position)
+    faults = find_faults(recording)
+    evaluation = evaluate(recording, asked, faults)
+    notes = list(evaluation.notes)
+    signal, bands = force_and_bands(recording, faults, asked, [])
+    placement = place_on_line(
+        run, recording, signal, (simulated.position, simulated.forces[0]), offset=offset,
+        search=search,
+    )  # fmt: skip
+    notes += [*_running_directions(run, recording), placement.text]
+    raw = _evenly(unfiltered_force(recording, faults, asked), signal)
+    measured = _measured_track(recording, placement, np.vstack([signal.force, bands, raw]))
+    inside = _common(run, simulated, measured, recording)
+    position = measured.position[inside]
+    forces = simulated.forces_at(position), measured.forces[:, inside]
+    known = ~np.isnan(forces[1][0])
     numbers = [
-        _numbers(run, part, force, position)
-        for part, force in zip((simulated, track), forces, strict=True)
+        _numbers(run, track, part[:, known], position)
+        for track, part in zip((simulated, measured), forces, strict=True)
     ]
     tolerances = {entry.quantity: entry for entry in (limits or load_limits()).tolerances}
+    rows = tuple(
+        _judged(quantity, value, numbers[1][quantity], tolerances, recording.highest_frequency)
+        for quantity, value in numbers[0].items()
+    )
+    spectra = [_spectrum(position, part[-1], recording) for part in forces]
     return MeasurementComparison(
-        label=measured.label,
+        label=recording.label,
         pantograph=name,
-        filter=lowpass.describe(),
+        filter=lowpass.describe() + ("" if asked.lowpass else "; the measured force as recorded"),
         start=float(position[0]),
         end=float(position[-1]),
-        rows=tuple(
-            _row(quantity, value, numbers[1][quantity], tolerances.get(quantity))
-            for quantity, value in numbers[0].items()
-        ),
+        rows=rows,
+        percentiles=_percentiles(forces, known),
+        spans=_spans(run, position, forces),
+        coverage=coverage_of(run, name, recording, (float(position[0]), float(position[-1]))),
+        placement=placement,
+        notes=tuple(dict.fromkeys(notes)),
         position=position,
-        simulated_force=forces[0][:, 0],
-        measured_force=forces[1][:, 0],
-        notes=tuple(notes),
+        simulated_force=forces[0][0],
+        measured_force=forces[1][0],
+        simulated_spectrum=spectra[0],
+        measured_spectrum=spectra[1],
+        evaluation=evaluation,
     )
 
 
-def _running_directions(run: Run, measured: MeasuredRun) -> str:
-    """Say that the two passages run against each other; empty when they do not."""
-    rising = measured.position[-1] > measured.position[0]
+def _running_directions(run: Run, recording: Recording) -> list[str]:
+    """Say that the two passages run against each other, where that is known."""
+    chainage = run.case.line.chainage
+    falls = chainage is not None and chainage[-1] < chainage[0]
     own = run.case.scenario.direction
-    if rising == (own == "+x"):
-        return ""
-    return (
-        f"the measurement runs towards {'rising' if rising else 'falling'} positions, the run in "
-        f"direction {own}: what is compared was passed the other way; for a like passage run the "
-        f'case with scenario.direction="{"+x" if rising else "-x"}"'
-    )
+    forwards = recording.is_rising != falls  # towards larger positions of the model
+    if recording.chainage is None or forwards == (own == "+x"):
+        return []
+    return [
+        f"the measurement runs towards {'rising' if recording.is_rising else 'falling'} positions, "
+        f"the run in direction {own}: what is compared was passed the other way; for a like "
+        f'passage run the case with scenario.direction="{"+x" if forwards else "-x"}"'
+    ]
 
 
 def _simulated_track(run: Run, name: str, lowpass: Lowpass) -> _Track:
-    record = run.pantograph(name)
-    force = run.contact_force(name)
+    record, force = run.pantograph(name), run.contact_force(name)
     if force.time.size < 2:
         raise InputError(f"pantograph {name!r} never entered the line; nothing to compare")
     columns = np.column_stack([force.position, force.force])
     time, values = evenly_spaced(force.time, columns, run.case.settings.step())
+    step = float(time[1] - time[0])
+    rows = []
     try:
-        forces = _filtered(values[:, 1], float(time[1] - time[0]), lowpass)
+        rows.append(lowpass.apply(values[:, 1], step))
+        rows += [band_signal(lowpass, values[:, 1], step, low, high) for low, high in BANDS]
     except ValueError as error:
         raise InputError(f"the simulated force cannot be filtered: {error}") from None
-    place = record.position[record.active]
-    uplift = record.wire_height[record.active] - _static_height(run, place)
-    return _sorted_track(values[:, 0], forces, place, uplift)
+    place, height = record.position[record.active], record.wire_height[record.active]
+    uplift = height - run.equilibrium.running_height(place)
+    forward, onward = (slice(None, None, -1 if x[0] > x[-1] else 1) for x in (values[:, 0], place))
+    return _Track(
+        values[forward, 0],
+        np.array([*rows, values[:, 1]])[:, forward],
+        place[onward],
+        uplift[onward],
+        height[onward],
+    )
 
 
-def _measured_track(
-    run: Run, measured: MeasuredRun, offset: float, lowpass: Lowpass | None, notes: list[str]
-) -> _Track:
-    """Filter the measured force; add to the notes what was done to the measurement."""
-    if measured.position[0] == measured.position[-1]:
-        raise InputError(f"{measured.label}: the pantograph does not move")
-    time = _measured_time(run, measured, notes)
-    place = measured.position + offset
-    moved = np.concatenate([[True], np.diff(time) > 0.0])
-    steps = np.diff(time[moved])
-    step = float(np.median(steps))
-    if steps.max() > _LARGE_STEP * step:
-        notes.append(f"the measurement has a hole of {steps.max():.3g} s, bridged by a line")
-    columns = np.column_stack([place, measured.force])[moved]
-    if not is_uniform(time[moved], 1e-3):
-        notes.append(f"the measurement was resampled every {1e3 * step:.3g} ms")
-    grid, values = evenly_spaced(time[moved], columns, step)
-    interval = float(grid[1] - grid[0])
-    if lowpass is None:
-        notes.append("the measured force was taken as filtered already")
-    elif lowpass.cutoff >= 0.5 / interval:
-        notes.append(
-            f"the measurement is sampled every {1e3 * interval:.3g} ms, too coarsely to be "
-            f"filtered at {lowpass.cutoff:g} Hz; it was taken as it is"
-        )
-        lowpass = None
-    forces = _filtered(values[:, 1], interval, lowpass)
-    return _sorted_track(values[:, 0], forces, place, measured.uplift)
+def _evenly(raw: Processed, signal: Processed) -> Array:
+    """Return the unfiltered force at the places of a processed one, free of aliases."""
+    assert signal.distance is not None
+    return EvenDistance(float(signal.distance[1] - signal.distance[0])).apply(raw).force
 
 
-def _measured_time(run: Run, measured: MeasuredRun, notes: list[str]) -> Array:
-    """Return the instants of the samples [s], from the time, the speed or the case's speed."""
-    if measured.time is not None:
-        return measured.time
-    steps = np.abs(np.diff(measured.position))
-    if measured.speed is not None and np.all(measured.speed > 0.0):
-        notes.append("the measurement has no time; its samples were timed by its speed")
-        steps = steps / (0.5 * (measured.speed[1:] + measured.speed[:-1]))
-    else:
-        notes.append("the measurement has no time; its samples were timed by the case's speed")
-        steps = steps / run.case.scenario.speed
-    return np.concatenate([[0.0], np.cumsum(steps)])
+def _measured_track(recording: Recording, placement: Placement, forces: Array) -> _Track:
+    order = slice(None, None, -1 if placement.position[0] > placement.position[-1] else 1)
+    rows = slice(None, None, -1 if placement.rows[0] > placement.rows[-1] else 1)
+    return _Track(
+        placement.position[order],
+        forces[:, order],
+        placement.rows[rows],
+        None if recording.uplift is None else recording.uplift[rows],
+        None if recording.height is None else recording.height[rows],
+    )
 
 
-def _filtered(force: Array, interval: float, lowpass: Lowpass | None) -> Array:
-    """Return the filtered force and its bands as columns, (n, 1 + n_band) N.
-
-    Without a filter the force stays as it is; its bands are those of the sharp filter. A band
-    above the Nyquist frequency is NaN.
-    """
-    columns = [force if lowpass is None else lowpass.apply(force, interval)]
-    for low, high in _BANDS:
-        if high < 0.5 / interval:
-            columns.append(band_signal(lowpass or SharpLowpass(), force, interval, low, high))
-        else:
-            columns.append(np.full(force.size, np.nan))
-    return np.column_stack(columns)
-
-
-def _sorted_track(place: Array, forces: Array, uplift_place: Array, uplift: Array | None) -> _Track:
-    """Turn a record that runs against the track around, so that positions increase."""
-    if place[0] > place[-1]:
-        place, forces = place[::-1], forces[::-1]
-    if uplift_place[0] > uplift_place[-1]:
-        uplift_place = uplift_place[::-1]
-        uplift = None if uplift is None else uplift[::-1]
-    return _Track(place, forces, uplift_place, uplift)
-
-
-def _common_positions(run: Run, simulated: _Track, measured: _Track) -> Array:
-    """Return evenly spaced positions in the section that both records cover."""
+def _common(
+    run: Run, simulated: _Track, measured: _Track, recording: Recording
+) -> NDArray[np.bool_]:
+    """Tell which measured places lie in the analysed section and were passed by the run."""
     first, last = run.case.resolved_section()
     supports = run.equilibrium.support_x
     section = float(supports[first - 1]), float(supports[last])
-    start = max(section[0], simulated.position[0], measured.position[0])
-    end = min(section[1], simulated.position[-1], measured.position[-1])
-    spacing = min(
-        float(np.median(np.diff(track.position[np.diff(track.position, prepend=-np.inf) > 0.0])))
-        for track in (simulated, measured)
-    )
-    count = math.floor((end - start) / spacing) + 1
-    if count < 2:
+    start, end = max(section[0], simulated.position[0]), min(section[1], simulated.position[-1])
+    inside = (measured.position >= start) & (measured.position <= end)
+    if (inside & ~np.isnan(measured.forces[0])).sum() < 2:
         raise InputError(
-            f"the measurement covers {measured.position[0]:.1f} m to "
-            f"{measured.position[-1]:.1f} m, the run {simulated.position[0]:.1f} m to "
+            f"{recording.label}: the measurement covers {measured.position[0]:.1f} m to "
+            f"{measured.position[-1]:.1f} m of the model, the run {simulated.position[0]:.1f} m to "
             f"{simulated.position[-1]:.1f} m, the analysed section {section[0]:.1f} m to "
             f"{section[1]:.1f} m: nothing in common; give the offset of the measurement's zero"
         )
-    return np.linspace(start, end, count)
+    return inside
 
 
 def _numbers(run: Run, track: _Track, forces: Array, position: Array) -> dict[str, float]:
     """Return the compared numbers of one record; NaN where it does not hold them."""
     supports = run.equilibrium.support_x
     inside = supports[(supports >= position[0]) & (supports <= position[-1])]
-    uplift = track.uplift_at(inside)
-    height = _static_height(run, position) + track.uplift_at(position)
+    uplift = track.at(track.uplift, inside)
+    height = track.at(track.height, position)
+    if track.height is None:
+        height = run.equilibrium.running_height(position) + track.at(track.uplift, position)
     return {
-        "mean": float(forces[:, 0].mean()),
-        "standard_deviation": float(forces[:, 0].std()),
+        "mean": float(forces[0].mean()),
+        "standard_deviation": float(forces[0].std()),
         **{
-            f"std_{low:g}_{high:g}": float(column.std())
-            for (low, high), column in zip(_BANDS, forces[:, 1:].T, strict=True)
+            f"std_{band_name(band)}": float(part.std())
+            for band, part in zip(BANDS, forces[1:], strict=False)
         },
-        "maximum": float(forces[:, 0].max()),
-        "minimum": float(forces[:, 0].min()),
+        "maximum": float(forces[0].max()),
+        "minimum": float(forces[0].min()),
         "uplift": float(uplift.max()) if uplift.size else math.nan,
         "contact_height_range": float(np.ptp(height)),
     }
 
 
-def _static_height(run: Run, position: Array) -> Array:
-    """Return the height of the contact wire at rest, (n,) m to (n,) m."""
-    shape = run.equilibrium
-    return shape.running_height(position)
+def _percentiles(
+    forces: Sequence[Array], known: NDArray[np.bool_]
+) -> dict[str, tuple[float, float]]:
+    simulated, measured = (np.percentile(part[0, known], PERCENTILES) for part in forces)
+    return {
+        f"{share:g}": (float(a), float(b))
+        for share, a, b in zip(PERCENTILES, simulated, measured, strict=True)
+    }
+
+
+def _spans(run: Run, position: Array, forces: Sequence[Array]) -> tuple[SpanFigures, ...]:
+    """Return both forces span by span, over what was measured of each."""
+    line, supports = run.case.line, run.equilibrium.support_x
+    first = int(np.searchsorted(supports, position[0], side="right"))
+    last = int(np.searchsorted(supports, position[-1], side="left"))
+    numbers = range(max(first, 1), min(last, len(supports) - 1) + 1)
+    edges = [float(supports[number - 1]) for number in (*numbers, numbers.stop)]
+    gaps = np.isnan(forces[1][0])
+    both = [
+        stretch_statistics(
+            position, np.where(gaps, np.nan, part[0]), edges, [str(n) for n in numbers]
+        )
+        for part in forces
+    ]
+    names = ("mean", "standard_deviation", "maximum", "minimum")
+    return tuple(
+        SpanFigures(
+            number,
+            line.place_of_support(number - 1),
+            {name: getattr(a, name) for name in names},
+            {name: getattr(b, name) for name in names},
+            b.measured_share,
+        )
+        for number, a, b in zip(numbers, *both, strict=True)
+        if b.measured_share > 0.0
+    )
+
+
+def _spectrum(position: Array, force: Array, recording: Recording) -> Spectrum | None:
+    """Return the amplitudes over wave number, gaps as the mean; None for a short record."""
+    step = float(np.median(np.diff(position)))
+    grid = np.arange(float(position[0]), float(position[-1]), step)
+    if len(grid) < 64:
+        return None
+    filled = np.where(np.isnan(force), np.nanmean(force), force)
+    found = amplitude_spectrum(np.interp(grid, position, filled), step)
+    held = recording.highest_frequency * recording.interval / recording.spacing
+    shown = found.abscissa <= min(1.0 / SHORTEST_WAVE, held)
+    return Spectrum(found.abscissa[shown], found.value[shown], "1/m", found.window, 1)
+
+
+def _judged(
+    quantity: str,
+    simulated: float,
+    measured: float,
+    tolerances: Mapping[str, Tolerance],
+    highest: float,
+) -> MeasurementRow:
+    """Return a row; what lies beyond the samples has no tolerance, and its note says why."""
+    wanted = _UP_TO.get(quantity, 0.0)
+    if highest >= wanted:
+        return _row(quantity, simulated, measured, tolerances.get(quantity))
+    note = f"not judged: needs {wanted:g} Hz, the samples hold {highest:.3g} Hz"
+    return _row(quantity, simulated, measured, None, note)
 
 
 def _row(
-    quantity: str, simulated: float, measured: float, tolerance: Tolerance | None
+    quantity: str,
+    simulated: float,
+    measured: float,
+    tolerance: Tolerance | None,
+    note: str = "",
 ) -> MeasurementRow:
     difference = simulated - measured
     relative = difference / measured if measured else None
@@ -383,5 +474,6 @@ def _row(
         standard=None if tolerance is None else tolerance.standard,
         edition=None if tolerance is None else tolerance.edition,
         verified=tolerance is not None and tolerance.verified,
-        note="" if tolerance is None else tolerance.note,
+        clause=None if tolerance is None else tolerance.clause,
+        note=note if tolerance is None else tolerance.note,
     )

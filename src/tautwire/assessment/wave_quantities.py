@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from tautwire.line.expand import expand
-from tautwire.line.measures import intervals, span_lengths
+from tautwire.line.measures import droppers_of_spans, recurring, span_lengths
 from tautwire.line.pieces import Line
 from tautwire.model.preflight import SPEED_SHARE
 from tautwire.model.resolution import resolution
@@ -141,15 +141,12 @@ def _wave_rows(case: Case) -> list[WaveQuantity]:
 def _static_rows(case: Case, line: Line) -> list[WaveQuantity]:
     contact = sum(wire.tension for _, wire in case.wires.of_role("contact"))
     above = sum(wire.tension for _, wire in case.wires.of_role("messenger", "auxiliary"))
-    longest = max(span_lengths(line))
-    rows = [
-        WaveQuantity(
-            "mid-span elasticity, estimate",
-            midspan_elasticity(longest, contact, above),
-            "m/N",
-            "L/(4 sum(T)), longest span",
-        )
-    ]
+    softest = max(
+        midspan_elasticity(length, contact, above if droppers else 0.0)
+        for length, droppers in zip(span_lengths(line), droppers_of_spans(line), strict=True)
+    )
+    law = "L/(4 sum(T)), softest span; wires above count where droppers hang"
+    rows = [WaveQuantity("mid-span elasticity, estimate", softest, "m/N", law)]
     for pantograph in case.pantographs:
         head = pantograph.stages[0]
         stiffness = case.settings.contact_stiffness + head.stiffness
@@ -184,7 +181,8 @@ def _passing_rows(case: Case, line: Line) -> list[WaveQuantity]:
 def passing_lengths(case: Case) -> dict[str, float]:
     """Return the lengths that recur along the line, by name, for spectra and their lines.
 
-    Where spans or intervals differ, the span in the middle of the analysed section is taken.
+    Where spans or intervals of the analysed section differ, the commonest is taken; droppers in
+    pairs count as one.
 
     Parameters
     ----------
@@ -193,19 +191,16 @@ def passing_lengths(case: Case) -> dict[str, float]:
     Returns
     -------
     dict of str to float m
-        Keys ``span``, ``dropper interval`` (the most frequent one), ``support-dropper interval``.
+        Keys ``span``, ``dropper interval``, ``support-dropper interval``.
     """
     return _passing_lengths(case, expand(case))
 
 
 def _passing_lengths(case: Case, line: Line) -> dict[str, float]:
-    first, last = case.resolved_section()
-    middle = (first + last) // 2
-    found = intervals(line, middle, middle)
-    lengths = {"span": found.spans[0]}
-    if found.between:
-        rounded = [round(value, 6) for value in found.between]
-        lengths["dropper interval"] = max(rounded, key=lambda d: (rounded.count(d), d))
-    if found.beside and found.beside[0] > 0.0:
-        lengths["support-dropper interval"] = found.beside[0]
+    found = recurring(line, *case.resolved_section())
+    lengths = {"span": found.span}
+    if found.between is not None:
+        lengths["dropper interval"] = found.between
+    if found.beside is not None:
+        lengths["support-dropper interval"] = found.beside
     return lengths

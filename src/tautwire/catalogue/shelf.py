@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.parts import KIND_NAMES, KINDS, Part
 from tautwire.errors import InputError
+from tautwire.faults import words_of
 
 _FILE_KEYS = ("kind", "sources", "profiles", "entries")
 """Keys of a catalogue file; ``profiles`` holds nothing but anchors for the entries."""
@@ -170,7 +171,7 @@ def _sentence(place: str, fault: Any, spec: type[Part]) -> str:
     elif fault["type"] == "missing":
         text = "is missing; write {value: ..., seen: SOURCE}"
     else:
-        text = fault["msg"].removeprefix("Value error, ")
+        text = words_of(fault)
     return f"{place}: {where}: {text}" if where else f"{place}: {text}"
 
 

@@ -16,6 +16,7 @@ import typer
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.options import (
     CaseArgument,
+    ConditionOption,
     ForceOption,
     FreeUpliftOption,
     JsonOption,
@@ -23,6 +24,7 @@ from tautwire.cli.options import (
     OutFolderOption,
     SetOption,
     SystemOption,
+    with_condition,
 )
 from tautwire.cli.session import FAILED, REFUSED, answering, open_closed_streams
 
@@ -171,24 +173,28 @@ def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption =
 def static(
     case: CaseArgument,
     overrides: SetOption = None,
+    condition: ConditionOption = None,
     out: OutFolderOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the static shape: heights, dropper lengths and forces, elasticity.
 
-    With --out the dropper table, the elasticity and the static state are written as files.
+    The conditions of the case stand side by side, unless --condition names one. With --out the
+    dropper table, the elasticity and the static state are written as files, and a page of the
+    conditions.
     """
     with answering(as_json) as answer:
         from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, StaticRequest(case, overrides or [], out, force))
+        find_static(answer, StaticRequest(case, with_condition(overrides, condition), out, force))
 
 
 @app.command()
 def run(
     case: CaseArgument,
     overrides: SetOption = None,
+    condition: ConditionOption = None,
     out: OutFolderOption = None,
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Do not write the HTML report.")
@@ -208,7 +214,9 @@ def run(
         from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
         asked = criteria_of(system, free_uplift, limits)
-        request = RunRequest(case, overrides or [], out, asked, not no_report, force)
+        request = RunRequest(
+            case, with_condition(overrides, condition), out, asked, not no_report, force
+        )
         run_passage(answer, request)
 
 
@@ -264,50 +272,6 @@ def losses(
         from tautwire.cli.commands.losses import show_losses
 
         show_losses(answer, runs, pantograph, counted=counted)
-
-
-@app.command()
-def compare(
-    run_file: Annotated[
-        Path, typer.Argument(metavar="RUN.nc", help="Result of \"tautwire run\".")
-    ],
-    measured: Annotated[
-        Path,
-        typer.Argument(
-            metavar="MEASURED.csv",
-            help="Table with position and force, and time, speed, uplift where measured.",
-        ),
-    ],
-    pantograph: Annotated[
-        str | None,
-        typer.Option(
-            "--pantograph", metavar="NAME", help="The leading one by default.", show_default=False
-        ),
-    ] = None,
-    offset: Annotated[
-        str,
-        typer.Option(
-            "--offset", metavar="LENGTH", help="Position in the model of the measurement's zero."
-        ),
-    ] = "0 m",
-    filtered: Annotated[
-        bool, typer.Option("--filtered", help="The measured force is low-passed at 20 Hz already.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", metavar="FILE", help="CSV file with both forces over the position.",
-            show_default=False,
-        ),
-    ] = None,
-    as_json: JsonOption = False,
-) -> None:  # fmt: skip
-    """Compare a run with a measured one, after EN 50318."""
-    with answering(as_json) as answer:
-        from tautwire.cli.commands.results import Measurement, compare_run
-
-        wanted = Measurement(measured, pantograph, offset, filtered)
-        compare_run(answer, run_file, wanted, out)
 
 
 @app.command()

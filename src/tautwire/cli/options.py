@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from tautwire.text import DESIGN
 
 CaseArgument = Annotated[
     str,
@@ -21,6 +24,15 @@ SetOption = Annotated[
         "--set",
         metavar="PATH=VALUE",
         help='Replace one value, as in --set scenario.speed="275 km/h"; may be repeated.',
+        show_default=False,
+    ),
+]
+ConditionOption = Annotated[
+    str | None,
+    typer.Option(
+        "--condition",
+        metavar="NAME",
+        help='Condition of the case in which the line is examined; "design" for none.',
         show_default=False,
     ),
 ]
@@ -65,3 +77,11 @@ FreeUpliftOption = Annotated[
         show_default=False,
     ),
 ]
+
+
+def with_condition(overrides: list[str] | None, condition: str | None) -> list[str]:
+    """Return the values to replace, with the condition that was chosen among them."""
+    if condition is None:
+        return list(overrides or [])
+    chosen = None if condition == DESIGN else condition
+    return [*(overrides or []), f"condition={json.dumps(chosen, ensure_ascii=False)}"]

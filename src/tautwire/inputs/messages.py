@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
+from tautwire.faults import BOUNDS, is_said_elsewhere, words_of
 from tautwire.inputs.paths import (
     Path,
     PathError,
@@ -41,12 +42,6 @@ from tautwire.units import UnitError, expectation, parse_quantity
 
 Data = Mapping[str, Any]
 
-_BOUNDS = {
-    "greater_than": ("gt", "greater than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
-    "less_than_equal": ("le", "at most"),
-}
 NOT_MODELLED = "not modelled yet"
 LOOKED_AT = 100
 """Faults of one type in one field that are put into words; the others are counted. The words for an
@@ -59,15 +54,6 @@ _FORMS = {
     "contact": "the word 'contact'",
 }
 _SLIPS = {"m": "mm", "m/s": "km/h", "s": "ms"}
-_EXPECTED = {
-    "int_type": "a whole number",
-    "bool_type": "true or false",
-    "string_type": "a text (put a number in quotes)",
-    "tuple_type": "a list, as in [1, 2, 3]",
-    "string_too_short": "a text that is not empty",
-    "string_too_long": "a shorter text",
-    "string_pattern_mismatch": "a name without control characters",
-}
 
 
 def describe(error: ValidationError, data: Data, cells: Mapping[Path, Cells]) -> list[str]:
@@ -150,7 +136,7 @@ def _problems(fault: ErrorDetails, data: Data) -> list[Problem]:
         return [problem.under(*path) for problem in cause.problems]
     if isinstance(cause, ValueError):
         return [Problem(_as_written(path, data), str(cause))]
-    if fault["type"] == "too_short" and len(fault["input"]) >= context["min_length"]:
+    if is_said_elsewhere(fault):
         return []
     if fault["type"] == "missing" and isinstance(path[-1], int):
         path = path[:-1]
@@ -177,23 +163,17 @@ def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
         return f"is missing: {_description(target)}{_wanted_quantity(target.quantity)}"
     written = value_at(data, path)
     got = f"got {shown(fault['input'] if written is None else written)}"
-    if kind in _BOUNDS:
+    if kind in BOUNDS:
         return got + _out_of_range(fault, target, written)
     if kind == "literal_error":
         words = str(limits["expected"])
         close = did_you_mean(str(fault["input"]), re.findall(r"'([^']*)'", words))
         return f"{got}; choose {words}{close}"
-    if kind in ("too_short", "too_long"):
-        bound = limits.get("min_length", limits.get("max_length"))
-        side = "at least" if kind == "too_short" else "at most"
-        return f"has {limits['actual_length']} values; give {side} {bound}"
-    if kind in _EXPECTED:
-        return f"{got}; expected {_EXPECTED[kind]}"
     if kind == "union_tag_invalid":
         return f"{got}; expected {_wanted_forms(limits)}{_wanted_quantity(target.quantity)}"
     if kind == "model_type" and target.spec is not None:
         return f"{got}; expected a mapping with the keys {', '.join(fields_by_key(target.spec))}"
-    return f"{got}; {fault['msg'][:1].lower()}{fault['msg'][1:]}"
+    return words_of({**fault, "input": fault["input"] if written is None else written})
 
 
 def _description(target: Target) -> str:
@@ -210,7 +190,7 @@ def _wanted_forms(limits: Mapping[str, Any]) -> str:
 
 
 def _out_of_range(fault: ErrorDetails, target: Target, written: Any) -> str:
-    key, words = _BOUNDS[fault["type"]]
+    key, words = BOUNDS[fault["type"]]
     bound = fault.get("ctx", {})[key]
     quantity = target.quantity
     if quantity is None:

@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
-from tautwire.line.defects import marks
+from tautwire.line.defects import marks, misplaced
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -48,6 +49,8 @@ def expand(case: Case) -> Line:
 
     Raises
     ------
+    InputError
+        When defects are where nothing is; all are named.
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
@@ -59,7 +62,7 @@ def expand(case: Case) -> Line:
     suspensions = [s for plan in whole for s in _Expansion(case, plan).suspensions()]
     joints = [joint for plan in whole for joint in _Expansion(case, plan).joints()]
     carried = len({hanger.lower.run for hanger in hangers})
-    return Line(
+    line = Line(
         track=track,
         masts=case.line.support_positions(),
         runs=tuple(runs),
@@ -69,6 +72,9 @@ def expand(case: Case) -> Line:
         joints=tuple(joints),
         marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
+    if problems := misplaced(line, case.conditions):
+        raise InputError(problems)
+    return line
 
 
 class _Expansion:

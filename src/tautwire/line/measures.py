@@ -15,6 +15,10 @@ Array = NDArray[np.float64]
 SAME_PLACE = 1e-9
 """Distance below which two points of a wire are one [m]."""
 
+PAIR = 0.25
+"""Share of the longest distance of droppers in a span below which two hang as a pair: pairs hang
+0.3 to 1 m apart and 5 to 15 m from the next, single droppers differ by a factor of two at most."""
+
 _DIGITS = 9
 """Decimals [m] to which differences of chainages are the distances that were given."""
 
@@ -66,7 +70,9 @@ def _distinct(places: list[float]) -> list[float]:
     return kept
 
 
-def intervals(line: Line, first: int = 1, last: int | None = None) -> Intervals:
+def intervals(
+    line: Line, first: int = 1, last: int | None = None, *, pairs_as_one: bool = False
+) -> Intervals:
     """Return the distances between neighbours on the contact wires.
 
     Parameters
@@ -74,15 +80,80 @@ def intervals(line: Line, first: int = 1, last: int | None = None) -> Intervals:
     line
     first, last
         Spans, from 1, both included; the whole line by default.
+    pairs_as_one
+        Whether droppers close to each other count as one in their middle: a train feels the
+        distance of the pairs.
     """
     chosen = slice(first - 1, last)
     between: list[float] = []
     beside: list[float] = []
     spans = span_lengths(line)[chosen]
-    for length, droppers in zip(spans, droppers_of_spans(line)[chosen], strict=True):
+    for length, own in zip(spans, droppers_of_spans(line)[chosen], strict=True):
+        droppers = _pairs(own) if pairs_as_one else own
         between += [round(right - left, _DIGITS) for left, right in pairwise(droppers)]
         beside += [droppers[0], round(length - droppers[-1], _DIGITS)] if droppers else []
     return Intervals(spans, tuple(between), tuple(beside))
+
+
+def _pairs(droppers: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the middles of groups of droppers that are close to each other."""
+    gaps = [right - left for left, right in pairwise(droppers)]
+    groups = [[droppers[0]]] if droppers else []
+    for s, gap in zip(droppers[1:], gaps, strict=True):
+        if gap < PAIR * max(gaps):
+            groups[-1].append(s)
+        else:
+            groups.append([s])
+    return tuple(sum(group) / len(group) for group in groups)
+
+
+@dataclass(frozen=True)
+class Recurring:
+    """Lengths along the track that repeat within some spans.
+
+    Attributes
+    ----------
+    span : float m
+        Commonest span.
+    between : float or None m
+        Commonest distance of neighbouring droppers or pairs (DD); None without two in a span.
+    beside : float or None m
+        Commonest distance from a support to the dropper or pair next to it (SD); None without.
+    shortest : float m
+        Shortest of all DD and SD; the span where there are no droppers.
+    """
+
+    span: float
+    between: float | None
+    beside: float | None
+    shortest: float
+
+
+def recurring(line: Line, first: int, last: int) -> Recurring:
+    """Return the lengths that repeat within some spans, droppers in pairs taken as one.
+
+    Parameters
+    ----------
+    line
+    first, last
+        Spans, from 1, both included.
+    """
+    found = intervals(line, first, last, pairs_as_one=True)
+    span = _commonest(found.spans)
+    return Recurring(
+        span,
+        _commonest(found.between) if found.between else None,
+        _commonest(found.beside) if found.beside else None,
+        min([*found.between, *found.beside], default=span),
+    )
+
+
+def _commonest(values: tuple[float, ...]) -> float:
+    """Return the value met most often (to the centimetre), the largest of equals."""
+    rounded = np.round(values, 2)
+    found, number = np.unique(rounded, return_counts=True)
+    best = found[len(number) - 1 - int(number[::-1].argmax())]
+    return float(np.asarray(values)[rounded == best][0])
 
 
 def attachment_intervals(line: Line) -> tuple[float, float]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -39,6 +40,12 @@ PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
 """Shares of the way [%] below a force: quartiles, and tails that some hundred metres still fill."""
 SPACING = 0.25
 """Even distance of the processed force [m], as recorders usually write it."""
+_FEWEST_LEFT = 4
+"""Samples that a spline needs."""
+_NOTHING_LEFT = (
+    "{}: no sample of the force is left after gaps, faults and their margins; see which sensor is "
+    "at fault, or leave its column aside in the mapping file"
+)
 HIGHEST_LINE = 50.0
 """Highest frequency of the spectrum that is shown [Hz]."""
 
@@ -159,13 +166,19 @@ class Evaluation(Plain):
     spectrum: Spectrum | None
 
 
-def evaluate(recording: Recording, treatment: Treatment | None = None) -> Evaluation:
+def evaluate(
+    recording: Recording,
+    treatment: Treatment | None = None,
+    faults: tuple[Fault, ...] | None = None,
+) -> Evaluation:
     """Process a recording and take its figures.
 
     Parameters
     ----------
     recording
     treatment
+    faults
+        As found before; by default they are looked for.
 
     Raises
     ------
@@ -173,14 +186,14 @@ def evaluate(recording: Recording, treatment: Treatment | None = None) -> Evalua
         When a correction asks for a channel that was not recorded.
     """
     asked = treatment or Treatment()
-    faults = find_faults(recording) if len(recording.forces) else ()
+    if faults is None:
+        faults = find_faults(recording) if len(recording.forces) else ()
     notes, force, stretches, events = list(recording.notes), None, [], []
     signal, spectrum = None, None
     if len(recording.forces):
-        signal = processed_force(recording, faults, asked, notes)
-        raw = processed_force(recording, faults, _unfiltered(asked), [])
-        spectrum = _spectrum(recording, raw)
-        force = _figures(recording, signal, raw, asked)
+        signal, bands = force_and_bands(recording, faults, asked, notes)
+        spectrum = _spectrum(recording, unfiltered_force(recording, faults, asked))
+        force = _figures(signal, bands)
         events = _events(recording, signal, asked, force)
         stretches = _stretches(recording, signal, asked)
     place = chainage_of(recording, signal) if signal is not None else np.empty(0)
@@ -224,12 +237,8 @@ def processed_force(
     InputError
         When a correction asks for a channel that was not recorded.
     """
-    clean = without_faulty_samples(recording, tuple(faults))
+    signal = unfiltered_force(recording, faults, treatment)
     steps: list[ProcessingStep] = []
-    if treatment.masses:
-        steps.append(InertiaCorrection(treatment.masses))
-    if treatment.air_speed:
-        steps.append(AerodynamicCorrection(treatment.air_speed, treatment.air_force))
     lowpass = treatment.lowpass
     if lowpass is not None and lowpass.cutoff >= 0.5 / recording.interval:
         notes.append(
@@ -238,20 +247,76 @@ def processed_force(
         )
     elif lowpass is not None:
         steps.append(Filtering(lowpass))
+    if recording.distance is not None:
+        steps.append(EvenDistance(max(SPACING, recording.spacing)))
+    for step in steps:
+        signal = step.apply(signal)
+        if (~np.isnan(signal.force)).sum() < _FEWEST_LEFT:
+            raise InputError(_NOTHING_LEFT.format(recording.label))
+    return signal
+
+
+def unfiltered_force(
+    recording: Recording, faults: Sequence[Fault], treatment: Treatment
+) -> Processed:
+    """Return the contact force, corrected as far as that is asked for.
+
+    Parameters
+    ----------
+    recording
+    faults
+        Their samples are left out.
+    treatment
+
+    Raises
+    ------
+    InputError
+        When a correction asks for a channel that was not recorded, or nothing is left.
+    """
+    clean = without_faulty_samples(recording, tuple(faults))
+    steps: list[ProcessingStep] = []
+    if treatment.masses:
+        steps.append(InertiaCorrection(treatment.masses))
+    if treatment.air_speed:
+        steps.append(AerodynamicCorrection(treatment.air_speed, treatment.air_force))
     as_recorded = recording.contact_force is not None and not treatment.masses
     try:
         signal = process(clean, steps, as_recorded=as_recorded)
     except ValueError as error:
         raise InputError(f"{recording.label}: {error}") from None
-    if np.isnan(signal.force).all():
-        raise InputError(
-            f"{recording.label}: no sample of the force is left after gaps, faults and their "
-            "margins; see which sensor is at fault, or leave its column aside in the mapping file"
-        )
-    if recording.distance is None or not treatment.lowpass:
-        return signal
-    spacing = max(SPACING, recording.spacing)
-    return EvenDistance(spacing).apply(signal)
+    if (~np.isnan(signal.force)).sum() < _FEWEST_LEFT:
+        raise InputError(_NOTHING_LEFT.format(recording.label))
+    return signal
+
+
+def force_and_bands(
+    recording: Recording, faults: Sequence[Fault], treatment: Treatment, notes: list[str]
+) -> tuple[Processed, Array]:
+    """Return the processed force and, at the same places, its parts per band.
+
+    Parameters
+    ----------
+    recording, faults, treatment, notes
+        As for :func:`processed_force`.
+
+    Returns
+    -------
+    signal : Processed
+    bands : (n_band, n) N
+        One row per band of :data:`BANDS`; NaN beyond what the samples hold, or where the margins
+        of gaps leave nothing. The bands of a force that is filtered already are those of the sharp
+        filter.
+    """
+    signal = processed_force(recording, faults, treatment, notes)
+    lowpass = treatment.lowpass or SharpLowpass()
+    up_to = {0.0: np.zeros(len(signal.force))}
+    for cutoff in sorted({high for _, high in BANDS}):
+        up_to[cutoff] = np.full(len(signal.force), np.nan)
+        if cutoff <= recording.highest_frequency:
+            cut = replace(treatment, lowpass=lowpass.with_cutoff(cutoff))
+            with suppress(InputError):  # nothing is left beside the gaps
+                up_to[cutoff] = processed_force(recording, faults, cut, []).force
+    return signal, np.array([up_to[high] - up_to[low] for low, high in BANDS])
 
 
 def chainage_of(recording: Recording, signal: Processed) -> Array:
@@ -261,13 +326,7 @@ def chainage_of(recording: Recording, signal: Processed) -> Array:
     return signal.distance if signal.distance is not None else signal.time
 
 
-def _unfiltered(treatment: Treatment) -> Treatment:
-    return Treatment(None, treatment.masses, treatment.air_speed, treatment.air_force)
-
-
-def _figures(
-    recording: Recording, signal: Processed, raw: Processed, treatment: Treatment
-) -> ForceFigures:
+def _figures(signal: Processed, bands: Array) -> ForceFigures:
     known = signal.force[~np.isnan(signal.force)]
     mean, deviation = float(known.mean()), float(known.std())
     shares = np.percentile(known, PERCENTILES)
@@ -278,24 +337,13 @@ def _figures(
         minimum=float(known.min()),
         statistical_maximum=mean + 3.0 * deviation,
         statistical_minimum=mean - 3.0 * deviation,
-        bands=_bands(recording, raw, treatment.lowpass or SharpLowpass()),
+        bands={
+            band_name(band): float(np.nanstd(part)) if not np.isnan(part).all() else math.nan
+            for band, part in zip(BANDS, bands, strict=True)
+        },
         percentiles={f"{p:g}": float(v) for p, v in zip(PERCENTILES, shares, strict=True)},
         missing_share=signal.missing_share,
     )
-
-
-def _bands(recording: Recording, raw: Processed, lowpass: Lowpass) -> dict[str, float]:
-    """Return the standard deviation per band, over the samples that both cut-offs leave."""
-    found = {}
-    for low, high in BANDS:
-        deviation = math.nan
-        if high < recording.highest_frequency:
-            upper = Filtering(lowpass.with_cutoff(high)).apply(raw).force
-            if low > 0.0:
-                upper = upper - Filtering(lowpass.with_cutoff(low)).apply(raw).force
-            deviation = float(np.nanstd(upper)) if not np.isnan(upper).all() else math.nan
-        found[band_name((low, high))] = deviation
-    return found
 
 
 def _events(

@@ -139,6 +139,8 @@ def without_faulty_samples(recording: Recording, faults: tuple[Fault, ...]) -> R
 
 
 def _sensor_name(recording: Recording, row: int) -> str:
+    if len(recording.forces) == 1:
+        return "contact force"
     strip = int(recording.force_strips[row])
     number = int(np.flatnonzero(recording.sensors_of(strip) == row)[0]) + 1
     return f"force sensor {number} of strip {strip}"
@@ -165,8 +167,9 @@ def _dropouts(recording: Recording) -> Iterator[Fault]:
         missing = np.isnan(force)
         still = np.concatenate([np.diff(force) == 0.0, [False]])
         runs = _runs(still)
-        frozen = runs[runs[:, 1] - runs[:, 0] >= FROZEN_SAMPLES - 1] + np.array([0, 1])
-        frozen = frozen[~_at_extreme(force, frozen)]
+        least = max(FROZEN_SAMPLES, 4.0 * _usual_run(force))
+        frozen = runs[runs[:, 1] - runs[:, 0] >= least - 1] + np.array([0, 1])
+        frozen = frozen[~_at_extreme(force, frozen) & _is_abrupt(force, frozen)]
         samples = missing | _mask_of(frozen, len(force))
         if samples.any():
             places = _runs(samples)
@@ -179,6 +182,25 @@ def _dropouts(recording: Recording) -> Iterator[Fault]:
                 row,
                 samples,
             )
+
+
+def _usual_run(force: Array) -> float:
+    """Return how many equal readings in a row are usual: the 99 % quantile of the lengths.
+
+    A smooth force sampled fast or written coarsely repeats its reading on every crest; that is no
+    fault. Runs at the ends of the range are not counted.
+    """
+    inside = force[(force > np.nanmin(force)) & (force < np.nanmax(force))]
+    changes = np.flatnonzero(np.diff(inside) != 0.0)
+    return float(np.quantile(np.diff(changes), 0.99)) if len(changes) > 1 else 1.0
+
+
+def _is_abrupt(force: Array, runs: NDArray[np.int64]) -> Mask:
+    """Tell which runs begin or end with a jump; a smooth force leaves a level by one quantum."""
+    steps = np.abs(np.diff(force, prepend=np.nan, append=np.nan))
+    quantum = float(np.nanmin(np.where(steps > 0.0, steps, np.inf), initial=np.inf))
+    edges = np.fmax(steps[runs[:, 0]], steps[runs[:, 1]]) if len(runs) else np.empty(0)
+    return ~(edges <= 1.5 * quantum)
 
 
 def _at_extreme(force: Array, runs: NDArray[np.int64]) -> Mask:
@@ -221,7 +243,8 @@ def _saturation(recording: Recording) -> Iterator[Fault]:
             if level == 0.0:  # a drop-out, or a real loss of contact
                 continue
             runs = _runs(force == level)
-            clipped = runs[runs[:, 1] - runs[:, 0] >= CLIPPED_SAMPLES]
+            least = max(CLIPPED_SAMPLES, 2.0 * _usual_run(force) + 1.0)
+            clipped = runs[runs[:, 1] - runs[:, 0] >= least]
             samples = _mask_of(clipped, len(force))
             if samples.mean() > CLIPPED_SHARE:
                 yield Fault(

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.errors import InputError
-from tautwire.line.defects import misplaced
 from tautwire.line.expand import expand
 from tautwire.line.pieces import GivenHeight, Line, Run
 from tautwire.model.guess import Guess, guess_shape
@@ -72,15 +70,8 @@ def build(case: Case) -> Model:
     Returns
     -------
     Model
-
-    Raises
-    ------
-    InputError
-        When defects are where nothing is; all are named.
     """
     line = expand(case)
-    if problems := misplaced(line, case.conditions):
-        raise InputError(problems)
     mesh = divide(line, case.settings, case.scenario.speed)
     drawn = draw_irregularities(case)
     gravity = case.line.gravity

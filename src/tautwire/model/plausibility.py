@@ -60,6 +60,15 @@ SAME_SIDE = 4
 """Supports in a row with their stagger on one side, on straight track, from which it is told: the
 strips of a pantograph wear evenly only with both sides."""
 
+HEIGHT_OFF = 0.1
+"""Distance of the wire at rest from its given height [m] from which it is told: an arm given by its
+angle moves it by a millimetre, and heights are measured to centimetres."""
+
+_ALONE = (
+    "a contact wire without droppers hangs on span wires or brackets: supports.closure 'spring' "
+    "with supports.spring, as in {stiffness: 2 kN/m}"
+)
+
 _NAMED = 6
 """Places that are named one by one."""
 
@@ -93,7 +102,12 @@ def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
     -------
     tuple of Advice
     """
-    return (*_slack(shape), *_scatter(case, shape), *_arms(case, shape))
+    return (
+        *_heights(case, shape),
+        *_slack(shape),
+        *_scatter(case, shape),
+        *_arms(case, shape),
+    )
 
 
 def _warning(topic: str, text: str, cure: str) -> Advice:
@@ -194,6 +208,27 @@ def _effect(wire: Wire, gravity: float, gaps: tuple[float, float]) -> tuple[floa
     return force / (0.5 * wire.mass * gravity * sum(gaps)), force
 
 
+def _heights(case: Case, shape: Equilibrium) -> Iterator[Advice]:
+    """Tell that the wire does not hang where it was to hang; raised wires are left out."""
+    if case.tension_lengths:
+        return
+    given = np.array(case.supports.contact_heights(case.line.spans + 1))
+    off = shape.support_heights - given[shape.support_number - 1]
+    worst = int(np.abs(off).argmax())
+    if abs(off[worst]) > HEIGHT_OFF:
+        side = "above" if off[worst] > 0 else "below"
+        cure = "check supports.closure and what it is given"
+        if not len(shape.dropper_x):
+            cure = _ALONE
+        yield _warning(
+            "height of the wire",
+            f"the contact wire lies {abs(off[worst]):.2f} m {side} supports.contact_height at "
+            f"support {shape.support_number[worst]} (usual: within "
+            f"{HEIGHT_OFF:g} m)",
+            cure,
+        )
+
+
 def _slack(shape: Equilibrium) -> Iterator[Advice]:
     """Name droppers that carry nothing at rest."""
     slack = np.flatnonzero(shape.dropper_forces < SLACK)
@@ -256,7 +291,9 @@ def _arms(case: Case, shape: Equilibrium) -> Iterator[Advice]:
             f"{odd.sum()} of {len(degrees)} stand outside {low:g} to {high:g}° (usual: 6 to 16°, "
             "about 1° where they carry only themselves): "
             f"{_at_supports(degrees[odd], number[odd], '°', 1)}",
-            "check the heights and staggers beside these supports (supports.contact_height, "
+            _ALONE
+            if not len(shape.dropper_x)
+            else "check the heights and staggers beside these supports (supports.contact_height, "
             "supports.contact_stagger) and supports.arm",
         )
 

@@ -70,7 +70,9 @@ class Case(Told, Spec):
     droppers: Annotated[
         Annotated[Droppers, Tag(MAPPING)] | Annotated[tuple[Droppers, ...], Tag(LIST)],
         Discriminator(form_of),
-    ] = Field(description="The droppers: one set, or a list of sets; none with an empty list.")
+    ] = Field(
+        description="The droppers: one set, or a list of sets; none for a contact wire alone."
+    )
     tension_lengths: tuple[TensionLength, ...] = Field(
         default=(),
         description="Tension lengths from left to right; a single one over all supports, with "
@@ -107,7 +109,12 @@ class Case(Told, Spec):
     @model_validator(mode="before")
     @classmethod
     def _upgrade(cls, data: Any) -> Any:
-        return upgraded(data) if isinstance(data, Mapping) else data
+        if not isinstance(data, Mapping):
+            return data
+        data, wires = upgraded(data), data.get("wires")
+        if isinstance(wires, Mapping) and not wires.get("messenger"):
+            data.setdefault("droppers", [])
+        return data
 
     @model_validator(mode="after")
     def _check_parts_together(self) -> Case:

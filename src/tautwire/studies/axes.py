@@ -17,7 +17,7 @@ from tautwire.inputs.paths import PathError, Target, find_target, parse_path
 from tautwire.specs.study import MOST_VALUES, Range, Seeds, Spread, Study, Variants
 from tautwire.studies import columns
 from tautwire.text import shown
-from tautwire.units import UnitError, parse_quantity
+from tautwire.units import TEMPERATURE, UnitError, parse_quantity
 
 Coordinate = float | int | str
 SAMPLE, CASE = "sample", "case"
@@ -135,8 +135,7 @@ def _range(path: str, axis: Range) -> list[Any]:
     "200 km/h" to "320 km/h" by "40 km/h" gives "240 km/h", which is the case one gets by writing
     that speed by hand.
     """
-    given = [axis.first, axis.last] + ([] if axis.step is None else [axis.step])
-    numbers, unit, is_whole = _numbers(path, given)
+    numbers, unit, is_whole = _numbers_of_range(path, axis)
     first, last = numbers[:2]
     if axis.count is not None:
         if axis.count == 1 and first != last:
@@ -154,6 +153,18 @@ def _range(path: str, axis: Range) -> list[Any]:
             raise AxisError(f"has {count} values; at most {MOST_VALUES} cases are computed")
         values = [first + step * number for number in range(count)]
     return [_written(value, unit, is_whole=is_whole) for value in values]
+
+
+def _numbers_of_range(path: str, axis: Range) -> tuple[list[float], str, bool]:
+    """Return both ends and the step, if any; that of temperatures is a difference."""
+    ends = [axis.first, axis.last]
+    if axis.step is None:
+        return _numbers(path, ends)
+    quantity = find_target(parse_path(path)).quantity
+    if quantity is not None and quantity.unit == TEMPERATURE:
+        temperatures = [parse_quantity(end, TEMPERATURE) for end in ends]
+        return [*temperatures, parse_quantity(axis.step, "K")], TEMPERATURE, False
+    return _numbers(path, [*ends, axis.step])
 
 
 def _interval(path: str, axis: Spread) -> list[Any]:

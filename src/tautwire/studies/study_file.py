@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
+from tautwire.faults import words_of
 from tautwire.inputs.paths import fields_by_key
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, read_case_text
@@ -35,14 +36,6 @@ from tautwire.text import shown
 
 _SPECS: dict[str, type[Spec]] = {RANGE: Range, SPREAD: Spread, SEEDS: Seeds, VARIANTS: Variants}
 _AXIS = "a list, {from, to, step or count}, {low, high}, {seeds} or {variants}"
-_EXPECTED = {
-    "string_type": "a text",
-    "int_type": "a whole number",
-    "bool_type": "true or false",
-    "dict_type": "a mapping",
-    "model_type": "a mapping",
-    "tuple_type": "a list",
-}
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
@@ -127,13 +120,7 @@ def _text(fault: ErrorDetails) -> str:
     if kind == "literal_error":
         words = str(limits["expected"])
         return f"{got}; choose {words}{did_you_mean(str(fault['input']), _quoted(words))}"
-    if isinstance(limits.get("error"), ValueError):
-        return str(limits["error"])
-    if kind == "too_short":
-        return "is empty; give at least one value"
-    if kind in _EXPECTED:
-        return f"{got}; expected {_EXPECTED[kind]}"
-    return f"{got}; {fault['msg'][:1].lower()}{fault['msg'][1:]}"
+    return words_of(fault)
 
 
 def _fields(fault: ErrorDetails) -> Mapping[str, Any]:

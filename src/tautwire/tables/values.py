@@ -6,6 +6,7 @@ import re
 
 from tautwire.tables.columns import ANY, COUNT, DEGREES, TEXT
 from tautwire.tables.sheets import Cell
+from tautwire.text import unprintable
 from tautwire.units import UnitError, expectation, parse_quantity
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
@@ -73,6 +74,8 @@ def text_of(cell: Cell) -> str | None:
     if cell is None:
         return None
     _refuse_error(cell)
+    if fault := unprintable(str(cell)):
+        raise CellError(fault)
     return f"{cell:.15g}" if isinstance(cell, float) else str(cell)
 
 

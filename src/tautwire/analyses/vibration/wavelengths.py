@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tautwire.analyses.vibration.contact_wire import even_points, wavenumber_spectrum
 from tautwire.errors import InputError
 from tautwire.line.expand import expand
-from tautwire.line.measures import intervals
+from tautwire.line.measures import recurring
 from tautwire.model.resolution import resolution
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.spectra import Spectrum, Window
@@ -39,7 +39,8 @@ class LineLengths:
     span : float m
         Commonest span length.
     dropper_interval : float m or None
-        Commonest distance between neighbouring droppers (DD); None without two droppers in a span.
+        Commonest distance between neighbouring droppers (DD), or pairs of droppers; None without
+        two in a span.
     support_interval : float m or None
         Commonest distance from a support to its nearest dropper (SD); None without droppers.
     shortest : float m
@@ -91,16 +92,14 @@ def line_lengths(case: Case) -> LineLengths:
     >>> line_lengths(load_case("ac-simple")).named(elements=False)["SD/4"]
     1.125
     """
-    found = intervals(expand(case), *case.resolved_section())
-    span = _commonest(found.spans)
-    dropper, support = _commonest_or_none(found.between), _commonest_or_none(found.beside)
-    repeated = sorted({v for v in (dropper, support) if v is not None} or {span}, reverse=True)
+    found = recurring(expand(case), *case.resolved_section())
+    lengths = {v for v in (found.between, found.beside) if v is not None} or {found.span}
     return LineLengths(
-        span=span,
-        dropper_interval=dropper,
-        support_interval=support,
-        shortest=min([*found.between, *found.beside], default=span),
-        elements=_elements(case, repeated),
+        span=found.span,
+        dropper_interval=found.between,
+        support_interval=found.beside,
+        shortest=found.shortest,
+        elements=_elements(case, sorted(lengths, reverse=True)),
     )
 
 
@@ -110,18 +109,6 @@ def _elements(case: Case, intervals: list[float]) -> tuple[float, ...]:
     if nodes is None:
         return (resolution(case, expand(case)).longest,)
     return tuple(value / (nodes - 1) for value in intervals)
-
-
-def _commonest_or_none(values: tuple[float, ...]) -> float | None:
-    return _commonest(values) if values else None
-
-
-def _commonest(values: tuple[float, ...]) -> float:
-    """Return the value met most often (to the centimetre), the largest of equals."""
-    rounded = np.round(values, 2)
-    found, number = np.unique(rounded, return_counts=True)
-    best = found[len(number) - 1 - int(number[::-1].argmax())]
-    return float(np.asarray(values)[rounded == best][0])
 
 
 def presag_spectrum(

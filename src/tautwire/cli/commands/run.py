@@ -79,11 +79,14 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
             with interrupts.patient():
-                files.write(RUN_FILE, lambda path: save_run(run, path))
+                elasticity = None
+                try:
+                    if run.status == "done" and interrupts.requested is None:
+                        elasticity = _elasticity(run)
+                finally:
+                    files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
                 with _telling_what_is_kept(answer, files):
                     _present(answer, run, request.criteria, [str(item) for item in advice])
-                    complete = run.status == "done" and interrupts.requested is None
-                    elasticity = _elasticity(run) if complete else None
                     asked = request.criteria if request.with_report else None
                     _write(answer, files, run, elasticity, asked)
     if run.status == "failed":
@@ -185,8 +188,6 @@ def _write(
 ) -> None:
     """Write the files of a run, the most important first; the report where there are criteria."""
     text = to_json(answer.document) + "\n"
-    if elasticity is not None:
-        files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
     files.write("results.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
     for number, record in enumerate(run.pantographs, 1):

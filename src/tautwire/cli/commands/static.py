@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import backend, program
@@ -15,7 +16,8 @@ from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import DONE, FAILED, Answer, OutputError
+from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
@@ -24,7 +26,10 @@ from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
+from tautwire.report.pages.conditions_page import write_conditions_page
+from tautwire.report.parts.condition_words import conditions_csv
 from tautwire.report.parts.tables import write_dropper_table
+from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case
@@ -73,17 +78,25 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             answer.say(f"shape found in {found - begin:.1f} s of CPU time; elasticity follows")
             elasticity = _elasticity(answer, interrupts, model, shape)
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
+            states = _conditions(answer, interrupts, model, shape, elasticity)
             name = backend(case.settings.backend)
             with interrupts.patient():
                 odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
                 answer.advise(odd)
                 warnings = [str(item) for item in odd]
                 answer.document.update(static_document(case, shape, elasticity, name, warnings))
+                if interrupts.exit_code:
+                    answer.document["status"] = "partial"
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
+                _show_conditions(answer, states)
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
+                    _write_conditions(files, case, states)
+                    _list_files(answer, files)
     answer.exit_code = interrupts.exit_code
+    if answer.exit_code == DONE and any(state.fault for state in states):
+        answer.exit_code = FAILED
 
 
 def _elasticity(
@@ -103,10 +116,44 @@ def _write(
         files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     files.write("static.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(shape, path))
+
+
+def _list_files(answer: Answer, files: Files) -> None:
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems:
         raise OutputError(files.problems)
+
+
+def _conditions(
+    answer: Answer,
+    interrupts: Interrupts,
+    model: Model,
+    design: Equilibrium,
+    elasticity: Elasticity | None,
+) -> tuple[ConditionState, ...]:
+    """Examine the conditions of the case, unless one of them was asked for; a signal ends it."""
+    case = model.case
+    if not case.conditions or case.condition is not None or elasticity is None:
+        return ()
+    states = [state_of(model, design, elasticity)]
+    for one in case.conditions:
+        with StepWatch(answer, interrupts, one.name) as watch, interrupts.patient():
+            states.append(examine(model, design, one.name, watch=watch))
+    return tuple(states)
+
+
+def _show_conditions(answer: Answer, states: tuple[ConditionState, ...]) -> None:
+    if states:
+        answer.document["conditions"] = [state.as_dict() for state in states]
+        answer.show(*conditions_view(states))
+
+
+def _write_conditions(files: Files, case: Case, states: tuple[ConditionState, ...]) -> None:
+    if not states:
+        return
+    files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
+    files.write("conditions.html", lambda path: write_conditions_page(case, states, path))
 
 
 def elasticity_csv(elasticity: Elasticity) -> str:

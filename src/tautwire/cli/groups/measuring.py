@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import JsonOption
+from tautwire.cli.options import JsonOption, LimitsOption
 from tautwire.cli.session import answering
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command()(measured)
+    app.command()(compare)
 
 
 MappingOption = Annotated[
@@ -95,3 +96,66 @@ def measured(
             file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
         )
         show_recording(answer, request, out)
+
+
+def compare(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN.nc RECORDING",
+            help="A result of \"tautwire run\" and a recording; several of either in turn.",
+        ),
+    ],
+    pantograph: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--pantograph", metavar="NAME",
+            help="The leading one by default; one for all recordings, or one for each.",
+            show_default=False,
+        ),
+    ] = None,
+    offset: Annotated[
+        str,
+        typer.Option(
+            "--offset", metavar="LENGTH", help="Position in the model of the measurement's zero."
+        ),
+    ] = "0 m",
+    search: Annotated[
+        str | None,
+        typer.Option(
+            "--search", metavar="LENGTH",
+            help="Largest error of the recorded positions; nearly half of the shortest span by "
+            "default, 0 m leaves them as they are.",
+            show_default=False,
+        ),
+    ] = None,
+    mapping: MappingOption = None,
+    speed: SpeedOption = None,
+    strip_mass: MassOption = None,
+    filtered: FilteredOption = False,
+    limits: LimitsOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR",
+            help="Folder for comparison.html, comparison.json and forces.csv.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Compare runs with recordings, after EN 50318 and IEC 63453.
+
+    One run is compared with every recording, one recording with every run, or both in pairs.
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.compare import ComparisonRequest, compare_runs
+        from tautwire.cli.commands.measured import RecordingRequest
+
+        reading = RecordingRequest(
+            Path(), mapping, speed, tuple(strip_mass or ()), filtered
+        )  # the path is that of each recording
+        request = ComparisonRequest(
+            tuple(files), reading, tuple(pantograph or ()), offset, search, limits
+        )
+        compare_runs(answer, request, out)

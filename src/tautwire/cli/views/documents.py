@@ -46,7 +46,9 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
     method = settings.integrator
     chosen = HHT(method.alpha) if method.method == "hht" else Newmark()
     used = {} if run is None else run.counters
+    condition = case.chosen_condition
     return {
+        "condition": None if condition is None else [condition.name, *condition.told()],
         "closure": case.supports.closure,
         "ends": _ends(case),
         "arm_motion": None if case.supports.closure == "spring" else case.supports.arm.motion,

@@ -35,6 +35,8 @@ def loss_view(loss: ContactLoss, most: int | None = None) -> list[Any]:
     most : int, optional
         Losses that are listed at most.
     """
+    if not loss.observed:
+        return [heading("Losses of contact", f"{loss.pantograph} was never in the section")]
     events = loss.events
     if most is not None and len(events) > most:
         events = tuple(sorted(events, key=lambda event: -event.duration)[:most])

@@ -13,6 +13,7 @@ from tautwire.assessment.references import (
     load_references,
 )
 from tautwire.cli.progress import duration
+from tautwire.cli.views.conditions_view import condition_facts
 from tautwire.cli.views.loss_view import loss_cells, loss_view
 from tautwire.cli.views.tables import batched, facts, heading, table
 from tautwire.inputs.overrides import OVERRIDDEN
@@ -66,6 +67,7 @@ def _facts(run: Run, statistics: RunStatistics) -> Any:
     return facts(
         [
             ("status", run.status),
+            *condition_facts(run.case),
             ("section", f"{spans}, {section.start:g} to {section.end:g} m"),
             ("contact stiffness", f"{1e-3 * run.case.settings.contact_stiffness:g} kN/m"),
             ("set for this run", ", ".join(changed) or "nothing"),

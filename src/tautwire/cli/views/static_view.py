@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.cli.views.conditions_view import condition_facts
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.report.parts.words import number, quantity
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -35,6 +36,7 @@ def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -> Any
     return facts(
         [
             ("line", f"{case.line.spans} spans, {case.line.length():g} m"),
+            *condition_facts(case),
             ("shape", f"{shape.iterations} iterations, residual {shape.residual:.1e} N"),
             ("weight", f"{shape.weight:.2f} N, reactions {shape.reaction:.2f} N"),
             ("dropper forces", _extent(shape.dropper_forces, "N")),

@@ -23,8 +23,6 @@ from tautwire.text import shortened
 from tautwire.units import UnitError, expectation, parse_quantity
 
 COUNT = "#"
-MAX_ROWS = 2_000_000
-"""Rows of a record; more do not fit into the size of file that is read."""
 MAX_COLUMNS = 1000
 """Columns of a table; recorders write some hundred channels at most."""
 MAX_DIGITS = 400
@@ -102,8 +100,7 @@ def read_table(
     path: Path,
     columns: Sequence[Column],
     *,
-    most_rows: int = MAX_ROWS,
-    others_allowed: bool = False,
+    most_rows: int,
 ) -> Table:
     """Read a table whose columns are known by name.
 
@@ -115,8 +112,6 @@ def read_table(
         The columns the table may or must have.
     most_rows
         A longer table is refused before its cells are read.
-    others_allowed
-        Whether further columns are ignored; otherwise they are refused.
 
     Returns
     -------
@@ -138,7 +133,7 @@ def read_table(
         if lines[0][1].count(separator) >= MAX_COLUMNS:
             raise InputError(f"{table.label}: has more than {MAX_COLUMNS} columns")
         titles = _cells(lines[0][1], separator)
-        known = _read_header(table, titles, columns, others_allowed=others_allowed)
+        known = _read_header(table, titles, columns)
         if len(lines) == 1:
             raise InputError(f"{table.label}: has a header but no rows")
         if len(lines) - 1 > most_rows:
@@ -181,9 +176,7 @@ class _Known:
     unit: str
 
 
-def _read_header(
-    table: Table, titles: list[str], columns: Sequence[Column], *, others_allowed: bool
-) -> list[_Known | None]:
+def _read_header(table: Table, titles: list[str], columns: Sequence[Column]) -> list[_Known | None]:
     """Return what is known about each column, None for one to be ignored."""
     by_name = {column.name: column for column in columns}
     matches = [_HEADER.fullmatch(title) for title in titles]
@@ -197,9 +190,8 @@ def _read_header(
     for title, match, name in zip(titles, matches, names, strict=True):
         known.append(None)
         if name not in by_name:
-            if not others_allowed:
-                hint = did_you_mean(name, by_name) or f"; known are: {', '.join(by_name)}"
-                table.problems.append(f"{table.label}: unknown column '{shortened(title)}'{hint}")
+            hint = did_you_mean(name, by_name) or f"; known are: {', '.join(by_name)}"
+            table.problems.append(f"{table.label}: unknown column '{shortened(title)}'{hint}")
         elif name in table.titles:
             table.problems.append(f"{table.label}: the column {name!r} is given twice")
         else:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.expand import expand
+from tautwire.line.measures import recurring
 from tautwire.report.figures import style
 from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
@@ -25,17 +27,20 @@ Array = NDArray[np.float64]
 def force_figure(views: Sequence[RunView]) -> go.Figure:
     """Draw the contact force over position: unfiltered, up to 200 Hz and up to 20 Hz.
 
-    Supports are lines numbered on the upper axis, droppers ticks at the lower edge, the analysed
-    section is shaded, losses of contact are marked on the zero line.
+    With several contact wires, what each of them carries of the latter, so that it is seen where
+    the head goes from one to the next. Supports are lines numbered on the upper axis, droppers
+    ticks at the lower edge, the analysed section is shaded, losses of contact are marked on the
+    zero line.
     """
     import plotly.graph_objects as go
 
     first, shown = views[0], series(views)
     single = len(shown) == 1
     figure = go.Figure(layout=style.layout(480, top=76))
+    curves = sum(3 + len(item.force.shares) for item in shown)
     for item in shown:
         if not item.force.is_empty:
-            _add_force_curves(figure, item, share(3 * len(shown)), single=single)
+            _add_force_curves(figure, item, share(curves), single=single)
     _add_losses(figure, shown)
     add_line_marks(figure, first.run, first.section)
     figure.update_layout(
@@ -83,6 +88,16 @@ def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bo
     line = {"color": look.colour, "width": 2.2, "dash": look.dash}
     name = item.named(f"0–{cutoff:g} Hz")
     _add_curve(figure, force.position, force.low, limit, name=name, line=line)
+    for number, (wire, values) in enumerate(force.shares.items(), 1):
+        _add_curve(
+            figure,
+            force.position,
+            values,
+            limit,
+            name=item.named(f"0–{cutoff:g} Hz on {wire}"),
+            line={"color": style.look(item.number + number).colour, "width": 1.4, "dash": "dash"},
+            visible=True if single else "legendonly",
+        )
 
 
 def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **more: Any) -> None:
@@ -182,8 +197,9 @@ def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
         ),
     )
     if len(speeds) == 1:
-        _add_passing_lines(figure, passings(views[0]))
-        _add_wavelength_axis(figure, speeds.pop())
+        lines = passings(views[0])
+        _add_passing_lines(figure, lines)
+        _add_wavelength_axis(figure, speeds.pop(), lines[0].length)
     return style.fit_legend(figure)
 
 
@@ -206,27 +222,13 @@ def section_spectrum(item: Series) -> Spectrum | None:
 
 def passings(view: RunView) -> tuple[PassingLine, ...]:
     """Return the passing frequencies of the commonest span, dropper and support distances."""
-    shape, section = view.run.equilibrium, view.statistics.section
-    spans = np.diff(shape.support_x)[section.first_span - 1 : section.last_span]
-    lengths = {"span": _commonest(spans)}
-    inside = (shape.dropper_span >= section.first_span) & (shape.dropper_span <= section.last_span)
-    x, span = shape.dropper_x[inside], shape.dropper_span[inside]
-    same_span = np.diff(span) == 0
-    if same_span.any():
-        lengths["droppers"] = _commonest(np.diff(x)[same_span])
-    firsts = np.flatnonzero(np.diff(span, prepend=0))
-    if firsts.size:
-        gaps = x[firsts] - shape.support_x[span[firsts] - 1]
-        lengths["support to dropper"] = _commonest(gaps)
-    speed = view.run.case.scenario.speed
-    spans_only = passing_lines({"span": lengths.pop("span")}, speed, WIDEST)
+    case, section = view.run.case, view.statistics.section
+    found = recurring(expand(case), section.first_span, section.last_span)
+    pairs = {"droppers": found.between, "support to dropper": found.beside}
+    lengths = {name: length for name, length in pairs.items() if length is not None}
+    speed = case.scenario.speed
+    spans_only = passing_lines({"span": found.span}, speed, WIDEST)
     return (*spans_only, *passing_lines(lengths, speed, WIDEST, orders=2))
-
-
-def _commonest(values: Array) -> float:
-    """Return the value met most often, to the centimetre."""
-    found, number = np.unique(np.round(values, 2), return_counts=True)
-    return float(found[number.argmax()])
 
 
 def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
@@ -247,8 +249,9 @@ def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
         )
 
 
-def _add_wavelength_axis(figure: go.Figure, speed: float) -> None:
+def _add_wavelength_axis(figure: go.Figure, speed: float, span: float) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
+    lengths = style.wavelengths(span)
     figure.add_scatter(
         x=[0, WIDEST], y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip"
     )
@@ -259,8 +262,8 @@ def _add_wavelength_axis(figure: go.Figure, speed: float) -> None:
             "side": "top",
             "title": {"text": "wavelength [m]", "standoff": 4, "font": {"size": 12}},
             "tickmode": "array",
-            "tickvals": [speed / length for length in style.WAVELENGTHS],
-            "ticktext": [f"{length:g}" for length in style.WAVELENGTHS],
+            "tickvals": [speed / length for length in lengths],
+            "ticktext": [f"{length:g}" for length in lengths],
             "tickfont": {"size": 11, "color": style.SOFT},
             "ticks": "outside",
             "ticklen": 3,

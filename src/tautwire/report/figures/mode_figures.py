@@ -131,7 +131,7 @@ def spectrum_figure(
     figure.update_layout(
         xaxis=style.axis("wave number [1/m]", range=[0, highest]), yaxis=style.axis(title, **limits)
     )
-    _add_wavelengths(figure, highest)
+    _add_wavelengths(figure, highest, lengths.get("span"))
     return style.fit_legend(figure)
 
 
@@ -147,9 +147,9 @@ def add_lengths(figure: go.Figure, lengths: Mapping[str, float], highest: float)
             )
 
 
-def _add_wavelengths(figure: go.Figure, highest: float) -> None:
+def _add_wavelengths(figure: go.Figure, highest: float, span: float | None) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
-    shown = [length for length in style.WAVELENGTHS if 1.0 / length <= highest]
+    shown = [length for length in style.wavelengths(span) if 1.0 / length <= highest]
     figure.add_scatter(
         x=[0, highest], y=[None, None], xaxis="x2", showlegend=False, hoverinfo="skip"
     )

@@ -25,9 +25,16 @@ COLOURS = ("#0b3d63", "#d55e00", "#009e73", "#b0578d", "#b58900", "#3a9bdc")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 PATTERNS = ("", "/", "x", ".", "\\", "-")
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "cross")
-WAVELENGTHS = (55.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5)
-"""Labelled wavelengths of an upper axis [m]: a span, and round numbers that do not touch."""
+_WAVELENGTHS = (20.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5)
+"""Labelled wavelengths of an upper axis below the span [m]: round numbers that do not touch."""
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
+
+
+def wavelengths(span: float | None) -> tuple[float, ...]:
+    """Return the wavelengths that an upper axis labels [m]: the span if known, round numbers."""
+    if span is None:
+        return _WAVELENGTHS
+    return (round(span, 2), *(length for length in _WAVELENGTHS if length < 0.6 * span))
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ def write_measured_page(found: Evaluation, path: str | os.PathLike[str]) -> Path
     path
         File to write.
     """
-    contents = [_reading(found)]
+    blocks = tuple(reading_blocks(found))
+    contents = [Section("reading", "What was recorded, and how it was read", blocks)]
     if found.force is not None:
         contents += [_figures(found), _history(found), _stretches(found)]
     if found.ranges:
@@ -59,7 +60,8 @@ def _masthead(found: Evaluation) -> dict[str, Any]:
     }
 
 
-def _reading(found: Evaluation) -> Section:
+def reading_blocks(found: Evaluation) -> list[object]:
+    """Return how a recording was read: faults, notes, steps of the processing."""
     faults = tuple(f"{one['kind']}, {one['channel']}: {one['text']}." for one in found.faults)
     blocks: list[object] = [Callout(faults) if faults else Text("No fault was found.")]
     blocks += [Text(f"{note[:1].upper()}{note[1:]}.", "note") for note in found.notes]
@@ -68,7 +70,7 @@ def _reading(found: Evaluation) -> Section:
             Table("Every step of the processing, in order.", ("step", "with"), "ll",
                   tuple(step_rows(found)))
         )  # fmt: skip
-    return Section("reading", "What was recorded, and how it was read", tuple(blocks))
+    return blocks
 
 
 def _figures(found: Evaluation) -> Section:

@@ -24,6 +24,7 @@ from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
+from tautwire.text import DESIGN
 
 
 def write_report(
@@ -113,6 +114,7 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
     facts = {
         "Speed": _each(views, lambda view: speed(view.run.case.scenario.speed)),
         "Line": _each(views, _line_in_words),
+        **_conditions(views),
         "Analysed section": _each(views, _section_in_words),
         "Pantographs": listing(
             list(dict.fromkeys(force.name for view in views for force in view.forces))
@@ -134,6 +136,14 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
         "version": _each(views, lambda view: str(view.run.provenance.get("version", ""))),
         "case_hash": _each(views, lambda view: view.run.case.hash()[:12]),
     }
+
+
+def _conditions(views: Sequence[RunView]) -> dict[str, str]:
+    """Return the conditions of runs, where one is not as designed."""
+    names = [view.run.case.condition for view in views]
+    return (
+        {"Condition": _each(views, lambda v: v.run.case.condition or DESIGN)} if any(names) else {}
+    )
 
 
 def _each(views: Sequence[RunView], tell: Callable[[RunView], str]) -> str:

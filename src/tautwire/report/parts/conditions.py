@@ -63,7 +63,11 @@ def _conventions(view: RunView) -> dict[str, str]:
     method = {"newmark": "Newmark ¼-½", "hht": f"HHT-α, α = {integrator.alpha:g}"}
     tuned = case.scenario.target_mean_force()
     prescribed = "prescribed" if case.scenario.uplift_force is not None else "static + aerodynamic"
+    condition = case.chosen_condition
     return {
+        "condition": "as designed"
+        if condition is None
+        else "; ".join([condition.name, *condition.told()]),
         "contact stiffness": f"{1e-3 * settings.contact_stiffness:g} kN/m (penalty)",
         "closure at the supports": supports.closure,
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",

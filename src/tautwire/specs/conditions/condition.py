@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, model_validator
+from typing_extensions import override
 
 from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
 from tautwire.specs.conditions.defect import Defect
@@ -47,6 +48,11 @@ class Wind(Spec):
         default=1.0, description="Share of the pressure that reaches wires and droppers."
     )
 
+    def __str__(self) -> str:
+        factors = (("gust", self.gust), ("drag", self.drag), ("shelter", self.shelter))
+        told = [f"{name} {value:g}" for name, value in factors if value != 1.0]
+        return ", ".join([f"wind {self.speed:g} m/s from the {self.from_}", *told])
+
     @property
     def pressure(self) -> float:
         """Pressure with gusts [N/m2], positive when it pushes to the left of rising chainage."""
@@ -73,6 +79,12 @@ class Ice(Spec):
             refuse([Problem((), "give exactly one of thickness ('10 mm') and mass ('0.5 kg/m')")])
         return self
 
+    def __str__(self) -> str:
+        size = (
+            f"{1e3 * self.thickness:g} mm" if self.thickness is not None else f"{self.mass:g} kg/m"
+        )
+        return f"ice {size} ({self.density:g} kg/m3)"
+
     def around(self, diameter: float) -> tuple[float, float]:
         """Return the mass per length [kg/m] and the outer diameter [m] of the ice on a wire."""
         area = 0.25 * math.pi * self.density
@@ -93,6 +105,13 @@ class Exposure(Spec):
         default=None, description="Its own share of the pressure of the wind."
     )
 
+    def told(self) -> list[str]:
+        """Return in words what is its own."""
+        found = [] if self.temperature is None else [f"{self.temperature:g} degC"]
+        found += [] if self.ice is None else [str(self.ice)]
+        found += [] if self.drag is None else [f"drag {self.drag:g}"]
+        return found + ([] if self.shelter is None else [f"shelter {self.shelter:g}"])
+
 
 class WireChange(Exposure):
     """What differs for one wire."""
@@ -109,6 +128,12 @@ class WireChange(Exposure):
             "moved.",
         )
     )
+
+    @override
+    def told(self) -> list[str]:
+        worn = [] if self.wear is None else [f"worn by {100 * self.wear:g} %"]
+        tension = [] if self.tension is None else [f"{1e-3 * self.tension:g} kN"]
+        return [*super().told(), *worn, *tension]
 
 
 class WireChanges(Spec):
@@ -163,6 +188,18 @@ class Condition(Spec):
             text = "is missing; the temperature of the design, for example '15 degC'"
             refuse([Problem(("reference",), text)])
         return self
+
+    def told(self) -> list[str]:
+        """Return in words everything in which it differs from the design, defects last."""
+        found = [] if self.after is None else [f"after {self.after!r}"]
+        if self.temperature is not None:
+            found.append(f"{self.temperature:g} degC (design {self.reference:g} degC)")
+        found += [str(part) for part in (self.wind, self.ice) if part is not None]
+        found += [f"contact wires worn by {100 * self.wear:g} %"] if self.wear else []
+        for name, part in (*self.changed_wires, ("droppers", self.droppers)):
+            told = part.told()
+            found += [f"{name}: {', '.join(told)}"] if told else []
+        return [*found, *map(str, self.defects)]
 
     @property
     def changed_wires(self) -> tuple[tuple[str, WireChange], ...]:

@@ -1,0 +1,129 @@
+"""Rows about a run beside a measurement, for the terminal and the page alike."""
+
+from __future__ import annotations
+
+import math
+
+from tautwire.assessment.coverage import Coverage
+from tautwire.assessment.measurement import MeasurementComparison, MeasurementRow
+from tautwire.report.parts.words import MISSING, counted, number, quantity, readable, speed
+
+_NAMES = {
+    "mean": "mean",
+    "standard_deviation": "σ 0–20 Hz",
+    "maximum": "maximum",
+    "minimum": "minimum",
+    "uplift": "uplift",
+    "contact_height_range": "height range",
+}
+HEADS = ("", "simulated", "measured", "difference", "allowed", "verdict")
+"""Heading of the table of numbers."""
+
+
+def name_of(quantity: str) -> str:
+    """Return a compared quantity as it is read; bands are in Hz."""
+    if quantity.startswith("std_"):
+        return f"σ {quantity[4:].replace('_', '–')} Hz"
+    return _NAMES.get(quantity, quantity)
+
+
+def number_row(row: MeasurementRow) -> tuple[str, ...]:
+    """Return a row of the table of numbers, without its verdict."""
+    return (
+        name_of(row.quantity),
+        readable(row.simulated, row.unit),
+        readable(row.measured, row.unit),
+        _difference(row),
+        _tolerance(row),
+    )
+
+
+def verdict_of(row: MeasurementRow) -> str:
+    """Return ``"met"`` or ``"missed"``, or why neither can be said."""
+    if row.within is None:
+        return "not judged" if row.note.startswith("not judged") else ""
+    if row.passed is None:  # the tolerance was not compared with the standard's text
+        return f"{'met' if row.within else 'missed'}, unverified"
+    return "met" if row.within else "missed"
+
+
+def source_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
+    """Return where each tolerance comes from."""
+    return [
+        (
+            name_of(row.quantity),
+            f"{row.standard} {row.edition or ''}".strip(),
+            row.clause or "not known",
+            "verified" if row.verified else "not verified",
+            row.note,
+        )
+        for row in compared.rows
+        if row.standard is not None
+    ]
+
+
+def outcome_of(compared: MeasurementComparison) -> str:
+    """Say how many tolerances are met, and which are not."""
+    judged = [row for row in compared.rows if row.within is not None]
+    missed = [name_of(quantity) for quantity in compared.missed]
+    if not judged:
+        return "no number has both a tolerance and a value"
+    if not missed:
+        return f"all {len(judged)} met"
+    return f"{len(missed)} of {len(judged)} missed: {', '.join(missed)}"
+
+
+def span_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
+    """Return both forces span by span."""
+    names = ("mean", "standard_deviation", "maximum", "minimum")
+    return [
+        (
+            " ".join(filter(None, (str(one.span), one.place))),
+            *(number(side[name]) for name in names for side in (one.simulated, one.measured)),
+            f"{100.0 * one.measured_share:.0f} %",
+        )
+        for one in compared.spans
+    ]
+
+
+def percentile_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
+    """Return the percentiles of both forces."""
+    return [
+        (f"{share} %", quantity(simulated, "N"), quantity(measured, "N"),
+         quantity(simulated - measured, "N"))
+        for share, (simulated, measured) in compared.percentiles.items()
+    ]  # fmt: skip
+
+
+def coverage_rows(part: Coverage) -> list[tuple[str, str]]:
+    """Return what a comparison covers, in words."""
+    shortest, longest = part.span_lengths
+    lengths = f"{shortest:g} m" if shortest == longest else f"{shortest:g} to {longest:g} m"
+    behind = ", ".join(f"{value:g}" for value in part.spacing)
+    return [
+        ("line", part.case),
+        ("wires", ", ".join(f"{name} {1e-3 * t:g} kN" for name, t in part.wires.items())),
+        ("spans", f"{part.spans[0]} to {part.spans[1]}, {lengths}; {part.length:.0f} m in all"),
+        ("pantograph", f"{part.pantograph}, {counted(part.pantographs, 'pantograph')}"
+         + (f" at {behind} m behind the first" if part.pantographs > 1 else "")),
+        ("simulated speed", speed(part.simulated_speed)),
+        ("measured speed", speed(part.measured_speed)),
+        ("direction", part.direction),
+        ("measured samples hold", f"up to {part.highest_frequency:.3g} Hz"),
+    ]  # fmt: skip
+
+
+def _difference(row: MeasurementRow) -> str:
+    if not math.isfinite(row.difference):
+        return MISSING
+    if row.is_relative and row.relative_difference is not None:
+        return f"{number(100 * row.relative_difference)} %"
+    return readable(row.difference, row.unit)
+
+
+def _tolerance(row: MeasurementRow) -> str:
+    if row.low is None or row.high is None:
+        return ""
+    if row.is_relative:
+        return f"{number(100 * row.low, 0)} to {number(100 * row.high, 0)} %"
+    return f"{readable(row.low, row.unit).split()[0]} to {readable(row.high, row.unit)}"
