@@ -180,6 +180,20 @@ def test_weights_keep_the_tension_and_travel() -> None:
     assert 5.0 * travel(found["5 degC"]) == pytest.approx(-0.3485, rel=1e-3)
 
 
+def test_both_ends_travel_from_the_fixed_point() -> None:
+    """With weights at both ends each travels alpha L dT from the fixed point, within 0.1 %, and the
+    fixed point stays."""
+    ends = {"left": "weighted", "right": "weighted"}
+    data = bare(at(45.0), spans=8, span=50.0).to_dict()
+    data["tension_lengths"] = [{"name": "T1", "masts": [1, 9], "ends": ends, "fixed_point": 4}]
+    shape = states(make_case(data))[1]["45 degC"]
+    assert shape.operated is not None
+    expected = ALPHA * 30.0 * np.array([150.0, 250.0])
+    assert shape.operated.end_travel[:, 0] == pytest.approx(expected, rel=1e-3)
+    wire = shape.wire("T1 contact")
+    assert wire.position[np.searchsorted(wire.s, 150.0 - 1e-6), 0] == pytest.approx(150.0, abs=1e-9)
+
+
 def test_friction_loses_its_loop() -> None:
     """Weights with friction hold a wire still between T eta and T/eta; there and back the loop of
     tension over travel has the area T (1/eta - eta) per metre, within 0.1 %."""
@@ -431,6 +445,12 @@ def test_messenger_below_the_contact_wire_is_refused() -> None:
     case = catenary(heavy, supports__encumbrance=0.9)
     with pytest.raises(ModelError, match=r"'messenger' hangs \d+ mm below 'contact'.* span \d"):
         find_shape(build(case.with_condition("heavy")))
+
+
+def test_slow_waves_are_refused() -> None:
+    """A tension with which waves are slower than the train is refused where it is given."""
+    with pytest.raises(InputError, match=r"conditions\[1\].wires.contact.tension: got 9 kN, .*"):
+        catenary({"name": "low", "wires": {"contact": {"tension": "9 kN"}}})
 
 
 def test_missing_numbers_are_asked_for() -> None:

@@ -8,7 +8,11 @@ from itertools import pairwise
 from typing import Any
 
 from tautwire.specs.base import Problem
-from tautwire.specs.conditions.checks import check_conditions, check_places
+from tautwire.specs.conditions.checks import (
+    check_conditions,
+    check_places,
+    check_slowed_waves,
+)
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import check_irregularities
@@ -470,6 +474,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "droppers", "irregularities"), check_irregularities),
     (("conditions", "condition", "wires", "droppers"), check_conditions),
     (("line", "tension_lengths", "conditions"), check_places),
+    (("conditions", "wires", "scenario"), check_slowed_waves),
 )
 """Every check with the parts of the case it needs, so that it can run when others are invalid."""
 

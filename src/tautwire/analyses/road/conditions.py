@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.elasticity import TOGETHER
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.operate import operate
 from tautwire.errors import ConvergenceError, ModelError
@@ -127,10 +128,14 @@ def _extent(values: Array) -> tuple[float, ...]:
 def _reach(
     shape: Equilibrium, masts: tuple[float, ...], first: int, last: int
 ) -> tuple[Extreme, Extreme, tuple[float, ...]]:
-    """Return where contact wires lie farthest to either side, and between which heights."""
+    """Return where contact wires lie farthest to either side, and between which heights.
+
+    A wire that is raised out of the way of pantographs does not count.
+    """
     points = np.concatenate([wire.position for wire in shape.of_role("contact")])
     inside = (points[:, 0] >= masts[first - 1]) & (points[:, 0] <= masts[last])
-    points = points[inside]
+    is_run_on = points[:, 2] <= shape.running_height(points[:, 0]) + TOGETHER
+    points = points[inside & is_run_on]
 
     def extreme(row: int) -> Extreme:
         x = float(points[row, 0])

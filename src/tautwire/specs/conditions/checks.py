@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from tautwire.specs.base import Problem
@@ -11,6 +12,7 @@ from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.tension import TensionLength
 from tautwire.specs.line.wire import Wire, Wires
+from tautwire.specs.scenario import Scenario
 
 Path = tuple[str | int, ...]
 Part = tuple[Path, Wire | Droppers, Exposure]
@@ -97,6 +99,29 @@ def _missing_numbers(
                     f"is missing: the condition {one.name!r} has {reason}; give it, for example "
                     f"{_EXAMPLES[field]}, or take the catalogue's with 'use'",
                 )
+
+
+def check_slowed_waves(
+    conditions: tuple[Condition, ...], wires: Wires, scenario: Scenario
+) -> list[Problem]:
+    """Check that no condition slows the waves on a contact wire below the train."""
+    problems = []
+    known = dict(wires.named())
+    for number, one in enumerate(conditions):
+        for name, change in one.changed_wires:
+            wire = known.get(name)
+            if wire is None or wire.role != "contact" or change.tension is None:
+                continue
+            speed = math.sqrt(change.tension / wire.mass)
+            if scenario.speed >= speed:
+                text = (
+                    f"got {1e-3 * change.tension:g} kN, with which waves run at "
+                    f"{3.6 * speed:.0f} km/h, not faster than the train at "
+                    f"{3.6 * scenario.speed:.0f} km/h; raise it or lower scenario.speed"
+                )
+                path = ("conditions", number, "wires", name, "tension")
+                problems.append(Problem(path, text))
+    return problems
 
 
 def check_places(
