@@ -108,6 +108,7 @@ def test_second_wires_are_described_by_name() -> None:
     assert "did you mean 'from'?" in "\n".join(refusals(wires__stitch=stitch))
 
 
+@pytest.mark.slow
 def test_raised_ends_keep_the_mean_force() -> None:
     """Ends that rise to the anchors leave the mean force at what acts, within 5 % (09)."""
     heights = [5.6, 5.3, *[5.1] * 4, 5.3, 5.6]
