@@ -271,6 +271,20 @@ def test_another_line_is_said_and_not_aligned(run: Run) -> None:
     assert any("positions are taken as recorded" in note for note in found.notes)
 
 
+def test_the_wrong_running_direction_is_said(run: Run) -> None:
+    """A recording whose positions rise while the train ran the other way matches the line only when
+    it is turned around: it is not aligned, and the notes say so."""
+    place = run.pantographs[0].position
+    irregular = 60.0 * np.sin(2 * np.pi * place / 61.0 + 4.0 * np.sin(place / 140.0))
+    record = replace(run.pantographs[0], contact_force=169.0 + irregular)
+    uneven = replace(run, pantographs=(record,))
+    measured = measured_like(uneven)
+    turned = compare_with_measurement(uneven, measured.with_(forces=measured.forces[:, ::-1]))
+    assert turned.placement.verdict in ("wrong direction", "does not match")
+    assert any("positions are taken as recorded" in note for note in turned.notes)
+    assert compare_with_measurement(uneven, measured).placement.verdict == "aligned"
+
+
 def test_partial_overlap_is_compared(run: Run) -> None:
     """A measurement from 300 m to 500 m is compared there, and the record says which spans."""
     measured = measured_like(run)

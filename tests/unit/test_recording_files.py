@@ -367,9 +367,14 @@ REFUSED = {
               [np.concatenate([TIME[600:], TIME[:600]]), PLACE, FORCE]),
         "the time goes back by",
     ),
+    "wrong unit of time": (
+        table(["time [s]", "position", "force"], [1e9 * TIME, PLACE, FORCE], "%.9g"),
+        "the time goes on by 5e\\+06 s",
+    ),
     "stands": (
         table(["time", "position", "force"], [TIME, 0 * PLACE, FORCE]), "does not move",
     ),
+    "no rows": ("time;position;force\ns;m;N\n", "headings and no rows below them"),
     "one row": ("time,position,force\n0,0,100\n", "fewer than two rows"),
 }  # fmt: skip
 

@@ -6,6 +6,7 @@ import base64
 import csv
 import dataclasses
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +15,20 @@ import pytest
 
 from tautwire.errors import InputError
 from tautwire.report.figures import packing
-from tautwire.report.figures.force_figures import passings
+from tautwire.report.figures.force_figures import force_figure, passings
 from tautwire.report.parts import words
+from tautwire.report.parts.blocks import Table
 from tautwire.report.parts.conditions import GROUPS, input_values, source_of
+from tautwire.report.parts.sections import force_section
 from tautwire.report.parts.tables import (
     dropper_table_csv,
     force_history_csv,
     write_dropper_table,
     write_force_history,
 )
-from tautwire.report.parts.views import labels_of, prepare
+from tautwire.report.parts.views import finite_part, labels_of, prepare
+from tautwire.results.equilibrium import Equilibrium
+from tautwire.results.run import Run
 
 from .synthetic import make_case, make_equilibrium, make_run
 
@@ -190,6 +195,58 @@ def test_force_history_names_its_filters() -> None:
     ]
     assert len(rows) == run.time.size
     assert float(rows[500][2]) == pytest.approx(run.pantographs[0].contact_force[500], abs=1e-4)
+
+
+def two_wires(run: Run) -> Run:
+    """Return a run in which the force goes from one contact wire to another half-way."""
+    shape = run.equilibrium
+    more = make_two_contact_wires(shape)
+    record = run.pantographs[0]
+    shares = np.full((run.time.size, 2), np.nan)
+    half = run.time.size // 2
+    shares[:half, 0] = record.contact_force[:half]
+    shares[half:, 1] = record.contact_force[half:]
+    return replace(run, equilibrium=more, pantographs=(replace(record, wire_forces=shares),))
+
+
+def make_two_contact_wires(shape: Equilibrium) -> Equilibrium:
+    """Return a static state that calls its messenger wire a second contact wire."""
+    return replace(shape, wire_names=("T1 contact", "T2 contact"), wire_roles=("contact",) * 2)
+
+
+def test_shares_of_contact_wires_are_written_and_drawn() -> None:
+    """The force on each contact wire is a column of the CSV, a curve of the figure and a row of the
+    report; together they are the contact force. With one contact wire there is nothing of it."""
+    run = two_wires(make_run(make_case(spans=3)))
+    head, *rows = _rows(force_history_csv(run))
+    assert head[-2:] == ["force on T1 contact [N]", "force on T2 contact [N]"]
+    total = run.pantographs[0].contact_force
+    for at in (200, -200):
+        assert float(rows[at][-2]) + float(rows[at][-1]) == pytest.approx(total[at], abs=2e-4)
+    view = prepare(run, "")
+    force = view.forces[0]
+    assert sum(force.shares.values()) == pytest.approx(force.low, abs=1e-6)
+    names = {curve.get("name") for curve in force_figure([view]).to_dict()["data"]}
+    assert {"0–20 Hz on T1 contact", "0–20 Hz on T2 contact"} <= names
+    table = next(block for block in force_section([view]).blocks if isinstance(block, Table))
+    record = run.pantographs[0]
+    half = run.time.size // 2
+    first, second = table.rows
+    assert (first[0], second[0]) == ("T1 contact", "T2 contact")
+    assert float(str(first[2])) == pytest.approx(record.position[half - 1], abs=0.06)
+    assert float(str(second[1])) == pytest.approx(record.position[half], abs=0.06)
+    assert float(str(first[3])) + float(str(second[3])) == pytest.approx(100.0, abs=0.11)
+    alone = prepare(make_run(make_case(spans=3)), "")
+    assert alone.forces[0].shares == {}
+    assert not any(isinstance(block, Table) for block in force_section([alone]).blocks)
+
+
+def test_a_record_is_cut_with_its_shares() -> None:
+    """Where a force is not finite, every history of the pantograph ends before it."""
+    run = two_wires(make_run(make_case(spans=3)))
+    run.pantographs[0].contact_force[300:] = np.nan
+    cut = finite_part(run).pantographs[0]
+    assert len(cut.wire_forces) == len(cut.contact_force) == 300
 
 
 def test_force_history_of_a_pantograph_that_never_entered() -> None:

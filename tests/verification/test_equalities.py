@@ -138,6 +138,35 @@ def test_a_line_that_no_head_reaches_changes_nothing(record_validation: Record) 
     )
 
 
+def mirrored(system: System) -> System:
+    """Return a line with left and right exchanged."""
+    flip = np.array([1.0, -1.0, 1.0])
+    turn = np.outer(flip, flip)
+    stays, grounds, clamps = system.stays, system.grounds, system.clamps
+    return system.with_(
+        position=(system.position.reshape(-1, 3) * flip).ravel(),
+        load=(system.load.reshape(-1, 3) * flip).ravel(),
+        stays=stays.with_(end=stays.end * flip),
+        grounds=grounds.with_(
+            free=grounds.free * flip,
+            stiffness=grounds.stiffness * turn,
+            damping=grounds.damping * turn,
+        ),
+        clamps=clamps.with_(offset=clamps.offset * flip),
+    )
+
+
+@pytest.mark.parametrize("name", [*LINES, "simple"])
+def test_a_mirrored_line_gives_the_same_force(name: str) -> None:
+    """With left and right exchanged, every topology gives the same force, to rounding (1e-6 N)."""
+    data = {"simple": simple, **LINES}[name]()
+    data["settings"]["start"] = 160.0 if name == "overlap" else 5.0
+    system, given, _ = entering(data)
+    forces = [force(line, given, 0.5, tolerance=1e-12) for line in (system, mirrored(system))]
+    assert np.abs(forces[0] - forces[1]).max() <= 1e-6
+    assert np.ptp(system.position.reshape(-1, 6)[:, 1]) > 0.1
+
+
 @pytest.mark.parametrize("name", [*LINES, "simple"])
 def test_a_line_elsewhere_gives_the_same_force(name: str) -> None:
     """Translated along the track and lifted, every topology gives the same force, 0.02 N rms."""
@@ -285,14 +314,14 @@ def statistics_in(data: dict[str, Any], spans: tuple[int, int]) -> dict[str, flo
 @pytest.mark.slow
 def test_a_cut_far_away_hardly_moves_the_statistics(record_validation: Record) -> None:
     """An overlap 330 m beyond the analysed section, with weights on both sides, moves the standard
-    deviation below 20 Hz by at most 3 %; the change of every statistic is recorded."""
+    deviation below 20 Hz by at most 3 %, every other statistic by at most 5 %."""
     whole = simple(spans=20)
     whole["settings"]["backend"] = "auto"
     cut = overlapping(20, 15, 17)
     before, after = (statistics_in(data, (5, 8)) for data in (whole, cut))
     changes = {name: 100.0 * (after[name] / value - 1.0) for name, value in before.items()}
     for name, change in changes.items():
-        limits = (-3.0, 3.0) if name == "sigma 0_20 Hz" else (-100.0, 100.0)
+        limits = (-3.0, 3.0) if name == "sigma 0_20 Hz" else (-5.0, 5.0)
         assert record_validation(
             "AC simple, 250 km/h, cut 330 m beyond the section",
             f"change of {name}",

@@ -79,6 +79,21 @@ def test_clean_recordings_raise_no_alarm(seeds: range) -> None:
     assert not {seed: texts for seed, texts in found.items() if texts}
 
 
+@pytest.mark.parametrize("quantum", [0.5, 1.0, 5.0])
+@pytest.mark.parametrize("rate", [200.0, 5000.0])
+def test_smooth_coarse_forces_raise_no_alarm(rate: float, quantum: float) -> None:
+    """A force that was filtered at 20 Hz before it was written in steps of 0.5 to 5 N stands still
+    on its crests: neither a drop-out nor a clipped sensor. (The filter's flat ends are cut off.)"""
+    truth = passage()
+    time = np.arange(0.1, truth.time[-1] - 0.1, 1.0 / rate)
+    smooth = np.interp(time, truth.time, _true_20_hz(truth.time))
+    recording = Recording(
+        "coarse", time, quantum * np.round(smooth / quantum)[None], np.array([1]),
+        np.empty((0, len(time))), np.empty(0, dtype=np.int64),
+    )  # fmt: skip
+    assert find_faults(recording) == ()
+
+
 def _on_sensor(change: Callable[[Array, np.random.Generator], Array]) -> Spoil:
     def spoil(recording: Recording, rng: np.random.Generator) -> Recording:
         forces = recording.forces.copy()

@@ -234,16 +234,16 @@ def compare_with_measurement(
         raise InputError(f"{recording.label}: holds no force; nothing to compare")
     lowpass = asked.lowpass or SharpLowpass()
     simulated = _simulated_track(run, name, lowpass)
-    evaluation = evaluate(recording, asked)
-    notes = list(evaluation.notes)
     faults = find_faults(recording)
+    evaluation = evaluate(recording, asked, faults)
+    notes = list(evaluation.notes)
     signal, bands = force_and_bands(recording, faults, asked, [])
     placement = place_on_line(
         run, recording, signal, (simulated.position, simulated.forces[0]), offset=offset,
         search=search,
     )  # fmt: skip
     notes += [*_running_directions(run, recording), placement.text]
-    raw = _raw_at(recording, signal, asked)
+    raw = _evenly(unfiltered_force(recording, faults, asked), signal)
     measured = _measured_track(recording, placement, np.vstack([signal.force, bands, raw]))
     inside = _common(run, simulated, measured, recording)
     position = measured.position[inside]
@@ -320,13 +320,10 @@ def _simulated_track(run: Run, name: str, lowpass: Lowpass) -> _Track:
     )
 
 
-def _raw_at(recording: Recording, signal: Processed, treatment: Treatment) -> Array:
+def _evenly(raw: Processed, signal: Processed) -> Array:
     """Return the unfiltered force at the places of a processed one, free of aliases."""
-    raw = unfiltered_force(recording, find_faults(recording), treatment)
-    if signal.distance is None or signal.time is recording.time:
-        return raw.force
-    spacing = float(signal.distance[1] - signal.distance[0])
-    return EvenDistance(spacing).apply(raw).force
+    assert signal.distance is not None
+    return EvenDistance(float(signal.distance[1] - signal.distance[0])).apply(raw).force
 
 
 def _measured_track(recording: Recording, placement: Placement, forces: Array) -> _Track:

@@ -17,6 +17,7 @@ from tautwire.measured.recording import Recording
 from tautwire.tables.columns import RECORDING
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
 from tautwire.tables.sheets import Sheet
+from tautwire.text import shortened
 
 MAPPING = ".mapping.yaml"
 MOST_BYTES = 4_000_000_000
@@ -108,7 +109,13 @@ def open_recording(
         raise InputError(f"{named(file)}: {what}; give a recording, in parts if need be")
     source = open_source(file)
     found, said_by = _mapping_of(file, source, Path(mapping) if mapping is not None else None)
-    channels = read_channels(source, found)
+    if found.first_row >= len(found.sheet.rows):
+        raise InputError(f"{found.sheet.label}: has headings and no rows below them")
+    try:
+        channels = read_channels(source, found)
+    except (ValueError, IndexError, OSError, UnicodeError) as error:
+        what = shortened(str(error), 200)
+        raise InputError(f"{named(file)}: its rows do not fit its headings ({what})") from None
     notes = [*found.notes, *_unread(source, found)]
     recording = assemble(str(file), channels, speed=speed, positive=found.positive, notes=notes)
     target = said_by or file.with_name(file.stem + MAPPING)
@@ -162,4 +169,6 @@ def _unread(source: Source, mapping: SheetMapping) -> list[str]:
     others: list[Sheet] = [sheet for sheet in source.sheets if sheet is not mapping.sheet]
     if not others:
         return []
-    return [f"not read: {', '.join(sheet.name for sheet in others)}"]
+    heads = (", ".join(str(cell) for cell in sheet.rows[0] if cell) for sheet in others)
+    names = (f"{sheet.name} ({shortened(head)})" for sheet, head in zip(others, heads, strict=True))
+    return [f"not read: {'; '.join(names)}"]

@@ -25,6 +25,8 @@ TURN = 2.0
 COARSE, SLOW = 0.4, 5e-3
 """Largest way [m] or, if it is smaller, time [s] between samples of a force measurement (EN 50317,
 from memory)."""
+SANE_STEP = (1e-7, 1e4)
+"""Times between two samples that a recorder can have [s]: 10 MHz to a sample every few hours."""
 STANDSTILL = 0.1
 """Speed below which a train counts as standing [m/s]."""
 
@@ -81,9 +83,9 @@ def assemble(
     rows, numbered = _sorted_in(channels, list(notes))
     _refuse_few(label, rows)
     _refuse_empty(label, rows)
-    _time_of_day(label, rows)
-    chainage = rows.get("position")
+    _check_clock(label, rows)
     way = _way(label, rows)
+    chainage = rows.get("position")
     time = _clock(label, rows, way, speed, has_force=_has_force(numbered, rows))
     if way is None:
         way = _integrated(rows, time, speed)
@@ -154,7 +156,7 @@ def _refuse_empty(label: str, rows: _Rows) -> None:
         raise InputError(f"{label}: holds no reading of a force or of the wire: {reasons}")
 
 
-def _time_of_day(label: str, rows: _Rows) -> None:
+def _check_clock(label: str, rows: _Rows) -> None:
     """See that the clock goes on, and spread the samples of a coarse one."""
     time = rows.get("time")
     if time is None:
@@ -192,21 +194,15 @@ def _spread_evenly(values: Array, repeated: Mask) -> Array:
 
 def _way(label: str, rows: _Rows) -> Array | None:
     """Return the way run since the first row; None where no position was recorded."""
+    for name in ("position", "odometer"):
+        _interpolate(rows, name)
     source = "odometer" if "odometer" in rows.values else "position"
     place = rows.get(source)
     if place is None:
         return None
-    known = ~np.isnan(place)
-    if not known.all():
-        rows.notes.append(
-            f"{int((~known).sum())} rows have no {source}; it is interpolated there by row"
-        )
-        place = np.interp(np.arange(len(place)), np.flatnonzero(known), place[known])
-        rows.values[source] = place
     if place[0] == place[-1]:
         raise InputError(f"{label}: the train does not move: the {source} begins and ends alike")
-    way = np.abs(place - place[0]) if place[-1] > place[0] else place[0] - place
-    way = place - place[0] if place[-1] > place[0] else way
+    way = place - place[0] if place[-1] > place[0] else place[0] - place
     back = np.maximum.accumulate(way) - way
     worst = int(back.argmax())
     if back[worst] > TURN:
@@ -217,6 +213,16 @@ def _way(label: str, rows: _Rows) -> Array | None:
     if back[worst] > 0.0:
         rows.notes.append(f"the {source} jitters by up to {back[worst]:.2f} m; it is held there")
     return _steady(rows, np.maximum.accumulate(way), source)
+
+
+def _interpolate(rows: _Rows, name: str) -> None:
+    """Fill the gaps of a position by row, and say so."""
+    place = rows.get(name)
+    if place is None or not np.isnan(place).any():
+        return
+    known = ~np.isnan(place)
+    rows.notes.append(f"{int((~known).sum())} rows have no {name}; it is interpolated there by row")
+    rows.values[name] = np.interp(np.arange(len(place)), np.flatnonzero(known), place[known])
 
 
 def _steady(rows: _Rows, way: Array, source: str) -> Array:
@@ -280,6 +286,11 @@ def _clock(
         time = np.concatenate([[0.0 if len(steps) and np.isfinite(steps[0]) else np.nan], steps])
         time = np.cumsum(time)
     assert time is not None  # one of the two is there
+    low, high = SANE_STEP
+    if not np.isnan(time[0]) and not low < (step := float(np.median(np.diff(time)))) < high:
+        raise InputError(
+            f"{label}: the time goes on by {step:.3g} s from row to row; check its column and unit"
+        )
     rows.values["time"] = time
     if way is not None:
         rows.values["way"] = way

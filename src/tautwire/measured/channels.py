@@ -18,8 +18,10 @@ KM_M = "km+m"
 _CLOCK = re.compile(rb"^(?:.*[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:Z|[+-]\d{2}:?\d{2})?$")
 _DAY = 86_400.0
 """Seconds of a day: a clock begins again at midnight."""
-_FEWEST_NUMBERS = 0.5
-"""Share of cells with a number below which a column is no channel."""
+_ABSURD = 1e12
+"""No reading is so large in any unit; what is, is a mark of a recorder for no reading."""
+_FEWEST_NUMBERS = 0.05
+"""Share of cells with a number below which a column is no channel, but one of texts."""
 _WORDS_NAMED = 5
 """Words in cells without a number that are named; recorders use one or two."""
 
@@ -91,8 +93,9 @@ def _channel(use: Use, column: Column, *, decimal_comma: bool) -> Channel:
     if column.texts is not None:
         column, unit = _from_texts(use, column.texts, decimal_comma=decimal_comma)
     numbers = column.numbers if column.numbers is not None else np.empty(0)
+    numbers = np.where(np.abs(numbers) < _ABSURD, numbers, np.nan)
     known = ~np.isnan(numbers)
-    if known.mean() < _FEWEST_NUMBERS and not known.sum() > 1000:
+    if not len(numbers) or known.mean() < _FEWEST_NUMBERS:
         words = ", ".join(repr(word) for word, _ in column.words.most_common(_WORDS_NAMED))
         note = f"{use.heading!r} holds hardly any numbers ({words}); it is not read"
         return Channel(use, unit, np.full(len(numbers), np.nan), note=note)

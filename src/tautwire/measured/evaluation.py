@@ -166,13 +166,19 @@ class Evaluation(Plain):
     spectrum: Spectrum | None
 
 
-def evaluate(recording: Recording, treatment: Treatment | None = None) -> Evaluation:
+def evaluate(
+    recording: Recording,
+    treatment: Treatment | None = None,
+    faults: tuple[Fault, ...] | None = None,
+) -> Evaluation:
     """Process a recording and take its figures.
 
     Parameters
     ----------
     recording
     treatment
+    faults
+        As found before; by default they are looked for.
 
     Raises
     ------
@@ -180,7 +186,8 @@ def evaluate(recording: Recording, treatment: Treatment | None = None) -> Evalua
         When a correction asks for a channel that was not recorded.
     """
     asked = treatment or Treatment()
-    faults = find_faults(recording) if len(recording.forces) else ()
+    if faults is None:
+        faults = find_faults(recording) if len(recording.forces) else ()
     notes, force, stretches, events = list(recording.notes), None, [], []
     signal, spectrum = None, None
     if len(recording.forces):

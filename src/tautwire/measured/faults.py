@@ -169,7 +169,7 @@ def _dropouts(recording: Recording) -> Iterator[Fault]:
         runs = _runs(still)
         least = max(FROZEN_SAMPLES, 4.0 * _usual_run(force))
         frozen = runs[runs[:, 1] - runs[:, 0] >= least - 1] + np.array([0, 1])
-        frozen = frozen[~_at_extreme(force, frozen)]
+        frozen = frozen[~_at_extreme(force, frozen) & _is_abrupt(force, frozen)]
         samples = missing | _mask_of(frozen, len(force))
         if samples.any():
             places = _runs(samples)
@@ -193,6 +193,14 @@ def _usual_run(force: Array) -> float:
     inside = force[(force > np.nanmin(force)) & (force < np.nanmax(force))]
     changes = np.flatnonzero(np.diff(inside) != 0.0)
     return float(np.quantile(np.diff(changes), 0.99)) if len(changes) > 1 else 1.0
+
+
+def _is_abrupt(force: Array, runs: NDArray[np.int64]) -> Mask:
+    """Tell which runs begin or end with a jump; a smooth force leaves a level by one quantum."""
+    steps = np.abs(np.diff(force, prepend=np.nan, append=np.nan))
+    quantum = float(np.nanmin(np.where(steps > 0.0, steps, np.inf), initial=np.inf))
+    edges = np.fmax(steps[runs[:, 0]], steps[runs[:, 1]]) if len(runs) else np.empty(0)
+    return ~(edges <= 1.5 * quantum)
 
 
 def _at_extreme(force: Array, runs: NDArray[np.int64]) -> Mask:

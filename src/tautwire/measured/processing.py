@@ -206,7 +206,9 @@ class EvenDistance:
         grid = np.arange(place[0], place[-1], self.spacing)
         instants = np.interp(grid, place, time)
         known = ~np.isnan(signal.force)
-        force = CubicSpline(signal.time[known], signal.force[known])(instants)
+        force = np.full(len(grid), np.nan)
+        if known.sum() >= 2:
+            force = CubicSpline(signal.time[known], signal.force[known])(instants)
         missing = np.interp(instants, signal.time, (~known).astype(float)) > 0.0
         force[missing] = np.nan
         done = Step("even distance", {"spacing_m": self.spacing})

@@ -104,6 +104,30 @@ def uniform_force(run: Run, name: str) -> ForceRecord:
     return ForceRecord(time, values[:, 0], values[:, 1])
 
 
+def uniform_shares(run: Run, name: str) -> dict[str, Array]:
+    """Return what a pantograph presses on each contact wire, by the name of the wire.
+
+    Parameters
+    ----------
+    run : Run
+    name : str
+        Name of the pantograph.
+
+    Returns
+    -------
+    dict of str to (n_time,) N
+        Evenly spaced in time as :func:`uniform_force`; 0 where the head does not reach the wire.
+        Wires that it never presses on are left out, and all where the line has but one.
+    """
+    wires = run.equilibrium.of_role("contact")
+    record = run.pantograph(name)
+    shares = np.nan_to_num(record.wire_forces[record.active])
+    if len(wires) < 2 or not len(shares):
+        return {}
+    _, values = evenly_spaced(run.time[record.active], shares, run.case.settings.step())
+    return {wire.name: share for wire, share in zip(wires, values.T, strict=True) if share.any()}
+
+
 def force_statistics(
     force: ForceRecord, lowpass: Lowpass, section: Section, supports: Array
 ) -> FilteredStatistics:

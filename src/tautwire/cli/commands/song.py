@@ -90,11 +90,11 @@ def _run(
 def _identification_view(found: Identification) -> list[Any]:
     best = page_identification.best_by_line(found.trials)[:MOST_READINGS]
     rows = [
-        (one.line, f"{one.stiffness} kN/m", *(f"{met}/{of}" for met, of in one.met.values()),
-         str(one.total))
+        (f"{one.line}, {one.stiffness} kN/m",
+         *(f"{met}/{of}" if of else "–" for met, of in one.met.values()), str(one.total))
         for one in best
     ]  # fmt: skip
-    heads = ("line", "contact", *GROUPS, "met")
+    heads = ("reading", *GROUPS, "met")
     parts: list[Any] = [
         heading("Readings that meet most numbers of the paper"),
         table(heads, "L" + "r" * (len(heads) - 1), rows),

@@ -31,6 +31,10 @@ def heading(text: str, detail: str = "") -> Text:
     return Text.assemble(*parts)
 
 
+NARROWEST = 12
+"""Characters that a column keeps when it gives way; about a word of a name or of a sentence."""
+
+
 def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Table:
     """Return a table.
 
@@ -50,6 +54,7 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
             justify="right" if letter == "r" else "left",
             no_wrap=letter in "lr",
             overflow="fold",
+            min_width=NARROWEST if letter == "L" else None,
             header_style="dim",
         )
     for row in rows:

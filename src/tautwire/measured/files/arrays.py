@@ -50,10 +50,10 @@ class ArraySource:
             raise InputError(f"{path}: holds no channels; a recording has arrays of equal length")
         self._channels: dict[str, list[Channel]] = {}
         self.sheets: list[Sheet] = []
-        for length, every in long.items():
-            name = NAME if len(long) == 1 else f"{length} samples"
+        for number, (length, every) in enumerate(long.items(), 1):
+            name = NAME if number == 1 else f"{NAME} {number}"
             self._channels[name] = every
-            label = str(path) if len(long) == 1 else f"{path}, channels of {name}"
+            label = str(path) if len(long) == 1 else f"{path}, channels of {length} samples"
             rows = _sample(every)
             self.sheets.append(Sheet(label, name, rows, list(range(1, len(rows) + 1))))
 

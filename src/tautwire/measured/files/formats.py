@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -37,7 +38,7 @@ def open_source(path: Path) -> Source:
         return TextSource(path)
     except InputError:
         raise
-    except (ValueError, KeyError, OSError, NotImplementedError, TypeError, IndexError) as error:
+    except Exception as error:  # noqa: BLE001 - readers raise whatever damaged bytes lead them to
         what = " ".join(str(error).split())[:200]
         raise InputError(f"{path}: is damaged or of an unknown kind ({what})") from None
 
@@ -176,6 +177,7 @@ def _tdms(path: Path) -> Source:
             f"{path}: TDMS needs npTDMS (LGPL); install it with 'pip install tautwire[tdms]', or "
             "save the recording as CSV"
         ) from None
+    logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # it logs damaged bytes as they are
     return ArraySource(path, _tdms_channels(TdmsFile.read(path)))
 
 

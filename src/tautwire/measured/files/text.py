@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -98,15 +99,17 @@ def _loaded(block: bytes, separator: str, wanted: dict[int, bool], number: str) 
         (f"c{column}", f"S{_TEXT_WIDTH}" if is_text else number)
         for column, is_text in wanted.items()
     ]
-    return np.loadtxt(
-        io.StringIO(block.decode("latin-1")),
-        dtype=kinds,
-        delimiter=None if separator == " " else separator,
-        usecols=list(wanted),
-        quotechar='"' if b'"' in block else None,
-        comments=None,
-        ndmin=1,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # a block may hold nothing but white space
+        return np.loadtxt(
+            io.StringIO(block.decode("latin-1")),
+            dtype=kinds,
+            delimiter=None if separator == " " else separator,
+            usecols=list(wanted),
+            quotechar='"' if b'"' in block else None,
+            comments=None,
+            ndmin=1,
+        )
 
 
 def _whole_lines(block: bytes, separator: str, last: int) -> bytes:

@@ -27,17 +27,20 @@ Array = NDArray[np.float64]
 def force_figure(views: Sequence[RunView]) -> go.Figure:
     """Draw the contact force over position: unfiltered, up to 200 Hz and up to 20 Hz.
 
-    Supports are lines numbered on the upper axis, droppers ticks at the lower edge, the analysed
-    section is shaded, losses of contact are marked on the zero line.
+    With several contact wires, what each of them carries of the latter, so that it is seen where
+    the head goes from one to the next. Supports are lines numbered on the upper axis, droppers
+    ticks at the lower edge, the analysed section is shaded, losses of contact are marked on the
+    zero line.
     """
     import plotly.graph_objects as go
 
     first, shown = views[0], series(views)
     single = len(shown) == 1
     figure = go.Figure(layout=style.layout(480, top=76))
+    curves = sum(3 + len(item.force.shares) for item in shown)
     for item in shown:
         if not item.force.is_empty:
-            _add_force_curves(figure, item, share(3 * len(shown)), single=single)
+            _add_force_curves(figure, item, share(curves), single=single)
     _add_losses(figure, shown)
     add_line_marks(figure, first.run, first.section)
     figure.update_layout(
@@ -85,6 +88,16 @@ def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bo
     line = {"color": look.colour, "width": 2.2, "dash": look.dash}
     name = item.named(f"0–{cutoff:g} Hz")
     _add_curve(figure, force.position, force.low, limit, name=name, line=line)
+    for number, (wire, values) in enumerate(force.shares.items(), 1):
+        _add_curve(
+            figure,
+            force.position,
+            values,
+            limit,
+            name=item.named(f"0–{cutoff:g} Hz on {wire}"),
+            line={"color": style.look(item.number + number).colour, "width": 1.4, "dash": "dash"},
+            visible=True if single else "legendonly",
+        )
 
 
 def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **more: Any) -> None:

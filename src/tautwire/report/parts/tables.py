@@ -74,7 +74,8 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
     str
         Columns: time, position, unfiltered force, and the force low-passed at the headline
         cut-off and at 200 Hz, where the record is sampled fast enough; the heading names filter
-        and cut-off. A last column tells what mesh and step carry where that is less.
+        and cut-off. With several contact wires, the unfiltered force on each that was touched. A
+        last column tells what mesh and step carry where that is less than these bands.
 
     Raises
     ------
@@ -82,9 +83,10 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
         When no pantograph has that name.
     """
     from tautwire.analyses.force.contact_loss import carried_band
-    from tautwire.analyses.force.statistics import uniform_force
+    from tautwire.analyses.force.statistics import uniform_force, uniform_shares
 
-    force = uniform_force(run, pantograph or run.pantographs[0].name)
+    name = pantograph or run.pantographs[0].name
+    force = uniform_force(run, name)
     head = ["time [s]", "position [m]", "force [N]"]
     columns = [
         _texts(force.time, 6),
@@ -98,6 +100,9 @@ def force_history_csv(run: Run, pantograph: str | None = None) -> str:
             if values is not None:
                 head.append(f"force, {lowpass.kind} low-pass {cutoff:g} Hz [N]")
                 columns.append(_texts(values, 4))
+    for wire, share in uniform_shares(run, name).items():
+        head.append(f"force on {wire} [N]")
+        columns.append(_texts(share, 4))
     carried = carried_band(run)
     if carried * (1.0 + 1e-6) < LOSS_BAND:
         head.append("mesh and step carry [Hz]")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.force.statistics import contact_statistics, uniform_force
+from tautwire.analyses.force.statistics import contact_statistics, uniform_force, uniform_shares
 from tautwire.errors import InputError
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
@@ -36,6 +36,8 @@ class ForceView:
         Unfiltered, and low-passed at the headline cut-off.
     wide : (n_time,) N or None
         Low-passed at 200 Hz; None when the record is sampled too slowly for that.
+    shares : dict of str to (n_time,) N
+        Of each contact wire, low-passed as ``low``; empty where the line has but one.
     """
 
     name: str
@@ -44,6 +46,7 @@ class ForceView:
     raw: Array
     low: Array
     wide: Array | None
+    shares: dict[str, Array]
 
     @property
     def is_empty(self) -> bool:
@@ -136,7 +139,7 @@ def finite_part(run: Run) -> Run:
     if not bad.any():
         return run
     end = int(np.argmax(bad))
-    names = ("position", "contact_force", "gap", "wire_height", "stage_heights", "active")
+    names = _HISTORIES
     records = tuple(
         replace(record, **{name: getattr(record, name)[:end] for name in names})
         for record in run.pantographs
@@ -150,6 +153,17 @@ def finite_part(run: Run) -> Run:
         support_uplift=run.support_uplift[:end],
         dropper_force=run.dropper_force[:end],
     )
+
+
+_HISTORIES = (
+    "position",
+    "contact_force",
+    "gap",
+    "wire_height",
+    "wire_forces",
+    "stage_heights",
+    "active",
+)
 
 
 def series(views: Sequence[RunView]) -> list[Series]:
@@ -220,12 +234,14 @@ def _force_view(run: Run, name: str, lowpass: Lowpass) -> ForceView:
     force = uniform_force(run, name)
     if force.time.size < 2:
         empty = np.empty(0)
-        return ForceView(name, empty, empty, empty, empty, None)
+        return ForceView(name, empty, empty, empty, empty, None, {})
     low = filtered_or_none(lowpass, force.force, force.time_step)
     wide = filtered_or_none(lowpass.with_cutoff(WIDE_CUTOFF), force.force, force.time_step)
-    return ForceView(
-        name, force.time, force.position, force.force, force.force if low is None else low, wide
-    )
+    shares = uniform_shares(run, name)
+    if low is not None:
+        shares = {wire: lowpass.apply(share, force.time_step) for wire, share in shares.items()}
+    low = force.force if low is None else low
+    return ForceView(name, force.time, force.position, force.force, low, wide, shares)
 
 
 def filtered_or_none(lowpass: Lowpass, signal: Array, time_step: float) -> Array | None:
