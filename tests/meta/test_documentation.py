@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 import tautwire
 from tautwire.inputs.reading import line_tables
@@ -78,6 +79,18 @@ def test_own_line_page_describes_a_line_that_stands(root: Path, tmp_path: Path) 
     assert len(shape.dropper_forces) == 14 * 5
     assert shape.dropper_forces.min() > 0.0
     assert shape.arm_forces.min() > 0.0
+
+
+def test_tracks_of_the_inputs_page_are_tracks(root: Path) -> None:
+    """The tracks written in ``docs/inputs.md`` reach under the line and bend as they say."""
+    text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")
+    found = [
+        tautwire.load_case("ac-simple", {"track": yaml.safe_load(piece)["track"]}).track
+        for piece in re.findall(r"```yaml\n(track:\s.*?)```", text, re.DOTALL)
+        if "table:" not in piece
+    ]
+    assert [track.pieces[-1].radius for track in found] == [1200.0, 900.0]
+    assert found[1].profile[1].radius == 8000.0
 
 
 def test_included_variant_loads(root: Path, tmp_path: Path) -> None:

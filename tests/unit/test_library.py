@@ -18,9 +18,10 @@ CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
 def test_what_the_library_holds() -> None:
-    """The library holds seven cases and two pantographs, each with a summary."""
+    """The library holds eight cases and two pantographs, each with a summary."""
     assert [entry.name for entry in list_entries()] == [
         "ac-simple",
+        "ac-simple-curve",
         "ac-simple-overlap",
         "ac-simple-plane",
         "ac-simple-two-pantographs",
@@ -150,7 +151,7 @@ def test_copy_can_be_loaded(name: str, tmp_path: Path) -> None:
     its_own = {"title": "", "description": "", "sources": ()}
     assert copy.with_(name=name, **its_own) == original.with_(**its_own)
     assert {source.path for source in copy.sources} == {s.path for s in original.sources}
-    assert {source.template for source in copy.sources} <= {name, "ac-simple", ""}
+    assert {source.template for source in copy.sources} <= {*CASES, ""}
     assert text.startswith(f"# Copied from '{name}' of the tautwire library.\n")
     assert text.count("#") > 5
     assert [entry.name for entry in tmp_path.iterdir()] == ["my-line.yaml"]

@@ -58,7 +58,15 @@ def told(case: Case) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "case", ["ac-simple", "ac-simple-plane", "ac-stitched", "dc-twin", "ac-simple-overlap"]
+    "case",
+    [
+        "ac-simple",
+        "ac-simple-plane",
+        "ac-stitched",
+        "dc-twin",
+        "ac-simple-overlap",
+        "ac-simple-curve",
+    ],
 )
 def test_lines_of_the_library_are_usual(case: str) -> None:
     """Nothing is said about lines that are built like this."""

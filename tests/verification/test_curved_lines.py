@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tautwire.analyses.road.dynamics import simulate
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.road.shape import find_shape
+from tautwire.inputs.load import load_case
 from tautwire.line import expand as expansion
 from tautwire.line.alignment import alignment
 from tautwire.model.build import Model, build
@@ -284,3 +285,18 @@ def test_condition_that_changes_nothing_gives_the_design() -> None:
     assert np.abs(same.position - design.position).max() < 1e-8
     assert same.arm_forces == pytest.approx(design.arm_forces, rel=1e-6)
     assert same.arm_ends == pytest.approx(design.arm_ends, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_overlap_in_a_curve_of_the_library() -> None:
+    """The head goes over from one tension length to the next in a canted curve, natively; both
+    wires stay on the head, and the shape takes at most 12 iterations."""
+    model, shape = shape_of(load_case("ac-simple-curve", {"settings.band": 20}))
+    assert shape.iterations <= 12
+    assert shape.reaction == pytest.approx(shape.weight, rel=1e-9)
+    run = simulate(model, shape, backend="native")
+    (record,) = run.pantographs
+    first, second = np.nan_to_num(record.wire_forces.T)
+    assert first[record.position > 620.0].max() == 0.0
+    assert second[record.position < 430.0].max() == 0.0
+    assert np.sum((first > 0.0) & (second > 0.0)) > 10

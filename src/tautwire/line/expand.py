@@ -54,7 +54,8 @@ def expand(case: Case) -> Line:
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
-    whole, track = plans(case), alignment(case.track, case.line)
+    track = alignment(case.track, case.line)
+    whole = plans(case, track)
     runs = [run for plan in whole for run in _Expansion(case, plan).runs()]
     hangers = [hanger for plan in whole for hanger in _Expansion(case, plan).hangers()]
     registrations = [r for plan in whole for r in _Expansion(case, plan).registrations(track)]

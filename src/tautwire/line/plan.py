@@ -8,9 +8,11 @@ from itertools import pairwise
 from typing import Any
 
 from tautwire.errors import ModelError
+from tautwire.numerics.track import Track
 from tautwire.specs.case import Case
 from tautwire.specs.line.catenary import Ends
 from tautwire.specs.line.tension import Overlap, TensionLength
+from tautwire.specs.line.wire import Wire
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class Plan:
         return f"{self.name} {wire}" if self.name else wire
 
 
-def plans(case: Case) -> tuple[Plan, ...]:
+def plans(case: Case, track: Track) -> tuple[Plan, ...]:
     """Return the tension lengths of a case from left to right.
 
     Raises
@@ -74,8 +76,8 @@ def plans(case: Case) -> tuple[Plan, ...]:
     for number, _ in enumerate(pairwise(found)):
         overlap = overlaps[min(number, len(overlaps) - 1)]
         left, right = found[number], found[number + 1]
-        found[number] = _raised(case, left, overlap, side=1, last=left.last, towards=-1)
-        found[number + 1] = _raised(case, right, overlap, side=-1, last=right.first, towards=1)
+        found[number] = _raised((case, track), left, overlap, side=1, last=left.last)
+        found[number + 1] = _raised((case, track), right, overlap, side=-1, last=right.first)
         shared = range(right.first, left.last + 1)
         found[number] = _shifted(found[number], shared, 0.5 * overlap.separation)
         found[number + 1] = _shifted(found[number + 1], shared, -0.5 * overlap.separation)
@@ -95,13 +97,15 @@ def _shifted(plan: Plan, masts: range, by: float) -> Plan:
 
 
 def _raised(
-    case: Case, plan: Plan, overlap: Overlap, *, side: int, last: int, towards: int
+    whole: tuple[Case, Track], plan: Plan, overlap: Overlap, *, side: int, last: int
 ) -> Plan:
     """Raise the contact wires at an anchor and at the mast before it.
 
-    From the last dropper a wire rises freely, ``T z'' = m g``, so that it needs the distance
-    ``sqrt(2 T h / (m g))`` to the mast where it is raised by h above its lowest dropper.
+    From the last dropper a wire rises freely above the rails, ``T z'' = w`` with its load w in the
+    frame of the track, so that it needs the distance ``sqrt(2 T h / w)`` to the mast where it is
+    raised by h above its lowest dropper.
     """
+    (case, track), towards = whole, -side
     masts = case.line.support_positions()
     raised = last + towards
     z = list(plan.contact_z)
@@ -109,7 +113,7 @@ def _raised(
     z[raised] += overlap.rise
     climb = overlap.rise + _largest_presag(case)
     way = max(
-        math.sqrt(2.0 * wire.tension * climb / (wire.mass * case.line.gravity))
+        math.sqrt(2.0 * wire.tension * climb / _load(wire, track, masts[raised], case.line.gravity))
         for _, wire in case.wires.of_role("contact")
     )
     free = masts[raised] - side * way
@@ -122,6 +126,27 @@ def _raised(
             f"{raised + towards + 1} has {abs(masts[raised] - running):g} m; lower overlaps.rise"
         )
     return _changed(plan, contact_z=tuple(z), raised=plan.raised | {raised}, droppers=limits)
+
+
+def _load(wire: Wire, track: Track, s: float, gravity: float) -> float:
+    """Return the load of a taut wire in the frame of the track [N/m].
+
+    Its weight normal to the rails, less what its tension takes over where they bend upwards: in a
+    vertical curve, and in a canted one.
+
+    Raises
+    ------
+    ModelError
+        When nothing is left of it.
+    """
+    upright = float(track.frames(s).axes[2, 2])
+    load = wire.mass * gravity * upright - wire.tension * float(track.rise_curvature(s))
+    if load <= 0.0:
+        raise ModelError(
+            f"x = {s:g} m: with {1e-3 * wire.tension:g} kN a wire does not hang down towards the "
+            "rails, which bend up too sharply there (track); move the overlap or lower the tension"
+        )
+    return load
 
 
 def _largest_presag(case: Case) -> float:

@@ -13,6 +13,7 @@ from itertools import groupby, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.alignment import alignment
 from tautwire.line.expand import expand
 from tautwire.model.preflight import Advice
 from tautwire.results.equilibrium import Equilibrium
@@ -144,6 +145,8 @@ def _wire(name: str, wire: Wire) -> Iterator[Advice]:
 def _staggers(case: Case) -> Iterator[Advice]:
     """Tell that the wire stays on one side of straight track."""
     sides = np.sign(case.supports.contact_staggers(case.line.spans + 1))
+    bends = alignment(case.track, case.line).bending(case.line.support_positions())
+    sides = np.where(bends[:, :2].any(axis=1), 0.0, sides)
     first = 1
     for side, same in groupby(sides.tolist()):
         count = len(list(same))

@@ -220,7 +220,7 @@ class Window:
         """Return displacements and movements of all bars under a unit pull of one [m/N]."""
         if place not in self._responses:
             load = np.zeros(self._system.dof_count)
-            load[self._pulled[place]] += self._pull[place]
+            np.add.at(load, self._pulled[place], self._pull[place])
             response = self._factor.solve(load)
             self._responses[place] = response, self._movements(response)
         return self._responses[place]
