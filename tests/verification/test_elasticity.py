@@ -192,7 +192,7 @@ def test_elasticity_equals_that_of_a_line_nonlinear_everywhere(name: str, force:
     force, and these bring several contact wires to one height."""
     case = load_case(name)
     middle = (case.line.spans + 1) // 2
-    case = load_case(name, {"settings.section": [middle, middle]})
+    case = load_case(name, {"settings.section": [middle, middle], "settings.band": 50.0})
     model = build(case)
     shape = find_shape(model)
     system = equations(model, shape)
