@@ -171,7 +171,7 @@ def test_override_is_its_own_source() -> None:
         ("scenario.spede=1", "override scenario.spede: unknown key; did you mean 'speed'?"),
         ("scenery.speed=1", "override scenery: unknown key; did you mean 'scenario'?"),
         ("scenario.speed.x=1", "unknown key; nothing can be given below this value"),
-        ("line.radius=1", "override line.radius: not modelled yet: curved track"),
+        ("line.turnout=1", "override line.turnout: not modelled yet: crossing or turnout wire"),
         ("scenario.speed", "override 'scenario.speed': write path=value, as in scenario.speed="),
         ("scenario.speed=", "override 'scenario.speed=': write path=value"),
         ("scenario.speed=[1", "override scenario.speed: the value '[1' is malformed"),
