@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tautwire.results.storage import load_run
+
 from .conftest import Invoke, Outcome
 
 
@@ -83,3 +85,31 @@ def test_compare_several(short_run: tuple[Path, Outcome], invoke: Invoke, tmp_pa
     assert "make no pairs" in invoke("compare", run, run, "a.csv", "a.csv", "b.csv").err
     assert "no pantograph" in invoke("compare", run, "a.csv", "--pantograph", "fifth").err
     assert "'tautwire report" in invoke("measured", run).err
+
+
+def test_compare_with_a_survey_of_the_wire(
+    short_run: tuple[Path, Outcome], invoke: Invoke, tmp_path: Path
+) -> None:
+    """Height, stagger and residual thickness every 0.25 m, without a mapping or a force: height
+    and stagger are compared with the static line, 10 mm too high on either."""
+    shape = load_run(short_run[0] / "run.nc").equilibrium
+    place = np.arange(20.0, 200.0, 0.25)
+    wire = shape.contact_position
+    height = 1e3 * np.interp(place, wire[:, 0], wire[:, 2]) + 10.0
+    side = 1e3 * np.interp(place, wire[:, 0], wire[:, 1]) + 10.0
+    rows = "".join(
+        f"{x / 1e3:.5f},{z:.1f},{y:.1f},11.{int(x) % 10}\n"
+        for x, z, y in zip(place, height, side, strict=True)
+    )
+    head = "Location [km],Height [mm],Stagger [mm],Residual thickness [mm]\n"
+    (tmp_path / "wire.csv").write_text(head + rows)
+    run = short_run[0] / "run.nc"
+    told = invoke("compare", run, "wire.csv", "--json")
+    assert told.code == 0, told.err
+    (one,) = told.document["comparisons"]
+    assert [row["quantity"] for row in one["geometry"]] == ["height", "stagger"]
+    for row in one["geometry"]:
+        assert abs(row["mean_m"] + 0.010) < 1e-4
+        assert row["standard_deviation_m"] < 2e-4
+    assert "simulated minus measured" in invoke("compare", run, "wire.csv").out
+    assert invoke("compare", run, "wire.csv", "--offset", "5 km").code == 2

@@ -209,9 +209,9 @@ BAD_VALUES = {
     ),
     "no stages": (
         "pantographs: [{name: front, stages: []}]",
-        ["pantographs[1].stages (pantograph 'front'): has 0 values; give at least 1"],
+        ["pantographs[1].stages (pantograph 'front'): is empty; give at least 1"],
     ),
-    "no pantographs": ("pantographs: []", ["pantographs: has 0 values; give at least 1"]),
+    "no pantographs": ("pantographs: []", ["pantographs: is empty; give at least 1"]),
     "stage without mass": (
         "pantographs: [{name: front, stages: [{stiffness: 50 N/m}]}]",
         [

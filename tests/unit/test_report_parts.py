@@ -17,7 +17,9 @@ from tautwire.errors import InputError
 from tautwire.report.figures import packing
 from tautwire.report.figures.force_figures import force_figure, passings
 from tautwire.report.parts import words
+from tautwire.report.parts.blocks import Table
 from tautwire.report.parts.conditions import GROUPS, input_values, source_of
+from tautwire.report.parts.sections import force_section
 from tautwire.report.parts.tables import (
     dropper_table_csv,
     force_history_csv,
@@ -229,8 +231,8 @@ def make_two_contact_wires(shape: Equilibrium) -> Equilibrium:
 
 
 def test_shares_of_contact_wires_are_written_and_drawn() -> None:
-    """The force on each contact wire is a column of the CSV and a curve of the figure; together
-    they are the contact force. With one contact wire there is neither."""
+    """The force on each contact wire is a column of the CSV, a curve of the figure and a row of the
+    report; together they are the contact force. With one contact wire there is nothing of it."""
     run = two_wires(make_run(make_case(spans=3)))
     head, *rows = _rows(force_history_csv(run))
     assert head[-2:] == ["force on T1 contact [N]", "force on T2 contact [N]"]
@@ -242,7 +244,17 @@ def test_shares_of_contact_wires_are_written_and_drawn() -> None:
     assert sum(force.shares.values()) == pytest.approx(force.low, abs=1e-6)
     names = {curve.get("name") for curve in force_figure([view]).to_dict()["data"]}
     assert {"0–20 Hz on T1 contact", "0–20 Hz on T2 contact"} <= names
-    assert prepare(make_run(make_case(spans=3)), "").forces[0].shares == {}
+    table = next(block for block in force_section([view]).blocks if isinstance(block, Table))
+    record = run.pantographs[0]
+    half = run.time.size // 2
+    first, second = table.rows
+    assert (first[0], second[0]) == ("T1 contact", "T2 contact")
+    assert float(str(first[2])) == pytest.approx(record.position[half - 1], abs=0.06)
+    assert float(str(second[1])) == pytest.approx(record.position[half], abs=0.06)
+    assert float(str(first[3])) + float(str(second[3])) == pytest.approx(100.0, abs=0.11)
+    alone = prepare(make_run(make_case(spans=3)), "")
+    assert alone.forces[0].shares == {}
+    assert not any(isinstance(block, Table) for block in force_section([alone]).blocks)
 
 
 def test_a_record_is_cut_with_its_shares() -> None:

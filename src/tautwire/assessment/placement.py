@@ -80,7 +80,7 @@ def place_on_line(
     search : float m, optional
         By default nearly half of the shortest span; 0 for none.
     """
-    rows = _model_position(run, recording, offset)
+    rows = model_position(run, recording, offset)
     place = np.interp(signal.time, recording.time, rows)
     spans = np.diff(run.equilibrium.support_x)
     reach = _LESS_THAN_HALF * float(spans.min()) if search is None else search
@@ -101,8 +101,15 @@ def place_on_line(
     )
 
 
-def _model_position(run: Run, recording: Recording, offset: float) -> Array:
-    """Return the positions of the rows in the model [m]."""
+def model_position(run: Run, recording: Recording, offset: float) -> Array:
+    """Return the positions of the rows of a recording in the model, ``(n_row,)`` [m].
+
+    Parameters
+    ----------
+    run
+    recording
+    offset : float m
+    """
     if recording.chainage is None:
         assert recording.distance is not None
         forwards = run.case.scenario.direction == "+x"

@@ -132,6 +132,10 @@ def spec_at(path: Path) -> type[Spec] | None:
         return None
 
 
+_HOW = {"wires": ", each wire by a name and a role of its own, as in 'contact-2: {role: contact}'"}
+"""What a key alone does not say, by key."""
+
+
 def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
     """Say that a key is unknown, and what may be meant.
 
@@ -153,7 +157,7 @@ def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
     if own in allowed:
         return f"unknown key; did you mean {own!r}?"
     if meaning is not None:
-        return f"unknown key; it is given as {meaning.key}"
+        return f"unknown key; it is given as {meaning.key}{_HOW.get(meaning.key, '')}"
     listed = ", ".join(allowed)
     return f"unknown key{did_you_mean(key, allowed) or f'; known here are: {listed}'}"
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.assessment.coverage import covered
+from tautwire.assessment.geometry import GeometryRow, compare_geometry
 from tautwire.assessment.limits import load_limits
 from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
 from tautwire.cli.commands.measured import RecordingRequest, quantity
@@ -29,6 +30,7 @@ from tautwire.report.parts.comparison import (
     percentile_rows,
     verdict_of,
 )
+from tautwire.report.parts.words import readable
 from tautwire.results.run import Run
 from tautwire.text import csv_text
 from tautwire.version import __version__
@@ -102,15 +104,29 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
     found: list[MeasurementComparison] = []
+    told: list[dict[str, Any]] = []
+    compared_runs: list[Run] = []
     for number, (run_file, path) in enumerate(pairs):
         run = runs[run_file]
         if path not in opened:
             reading = replace(request.reading, path=path)
             opened[path] = reading.opened(run.case.scenario.speed)
             announce_recording(answer, opened[path])
+        recording = opened[path].recording
+        geometry = compare_geometry(run, recording, offset=offset or 0.0)
+        about = {"run": str(run_file), "case": run.case.name, "status": run.status}
+        told.append({**about, "geometry": [row.as_dict() for row in geometry]})
+        if not len(recording.forces):
+            told[-1] |= {"measurement": recording.label, "notes": list(recording.notes)}
+            answer.warn(recording.notes)
+            answer.show(
+                heading("Comparison with a measurement", f"{run_file} and {recording.label}"),
+                *_geometry_view(geometry),
+            )
+            continue
         compared = compare_with_measurement(
             run,
-            opened[path].recording,
+            recording,
             pantograph=request.pantograph_of(number, len(pairs)),
             treatment=treatment,
             offset=offset or 0.0,
@@ -118,11 +134,15 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
             limits=limits,
         )
         found.append(compared)
+        compared_runs.append(run)
+        told[-1] |= compared.as_dict()
         answer.warn([*compared.notes, *_faults(compared)])
-        answer.show(*_comparison_view(run_file, compared))
-    answer.document.update(_document(pairs, runs, found))
+        answer.show(*_comparison_view(run_file, compared), *_geometry_view(geometry))
+    answer.document.update({"version": __version__, "comparisons": told})
+    if found:
+        answer.document["covers"] = covered([compared.coverage for compared in found])
     if out is not None:
-        _write_files(answer, out, [runs[path] for path, _ in pairs], found)
+        _write_files(answer, out, compared_runs, found)
 
 
 def _faults(compared: MeasurementComparison) -> list[str]:
@@ -132,22 +152,19 @@ def _faults(compared: MeasurementComparison) -> list[str]:
     ]
 
 
-def _document(
-    pairs: Sequence[tuple[Path, Path]],
-    runs: dict[Path, Run],
-    found: Sequence[MeasurementComparison],
-) -> dict[str, Any]:
-    return {
-        "version": __version__,
-        "comparisons": [
-            {
-                "run": str(path), "case": runs[path].case.name, "status": runs[path].status,
-                **compared.as_dict(),
-            }
-            for (path, _), compared in zip(pairs, found, strict=True)
-        ],
-        "covers": covered([compared.coverage for compared in found]),
-    }  # fmt: skip
+def _geometry_view(rows: Sequence[GeometryRow]) -> list[Any]:
+    """Return the table of heights and staggers; nothing where none was measured."""
+    if not rows:
+        return []
+    cells = [
+        (row.quantity, readable(row.mean, "m"), readable(row.standard_deviation, "m"),
+         readable(row.largest, "m"), f"{row.place:.1f} m")
+        for row in rows
+    ]  # fmt: skip
+    return [
+        heading("Contact wire at rest, simulated minus measured"),
+        table(("", "mean", "deviation", "largest", "at"), "lrrrr", cells),
+    ]
 
 
 def _write_files(
@@ -157,7 +174,8 @@ def _write_files(
 
     with prepared_folder(out):
         files = Files(out)
-        files.write("comparison.html", lambda path: write_comparison_page(runs, found, path))
+        if found:
+            files.write("comparison.html", lambda path: write_comparison_page(runs, found, path))
         text = to_json(answer.document) + "\n"
         files.write("comparison.json", lambda path: write_text(path, text))
         for number, compared in enumerate(found, 1):
@@ -198,7 +216,7 @@ def _comparison_view(run_file: Path, compared: MeasurementComparison) -> list[An
             ]
         ),
         heading("Numbers"),
-        table(HEADS, "Lrrrrl", rows),
+        table(HEADS, "lrrrLL", rows),
         heading("Force below which a share of the way lies"),
         table(("", "simulated", "measured", "difference"), "Lrrr", percentile_rows(compared)),
     ]

@@ -7,7 +7,14 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import CaseArgument, JsonOption, OutFolderOption, SetOption
+from tautwire.cli.options import (
+    CaseArgument,
+    ConditionOption,
+    JsonOption,
+    OutFolderOption,
+    SetOption,
+    with_condition,
+)
 from tautwire.cli.session import answering
 from tautwire.signals.bands import WIDEST
 
@@ -47,6 +54,7 @@ def modes(
         ),
     ] = None,
     overrides: SetOption = None,
+    condition: ConditionOption = None,
     out: OutFolderOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -54,7 +62,8 @@ def modes(
     with answering(as_json) as answer:
         from tautwire.cli.commands.modes import ModesRequest, find_modes
 
-        request = ModesRequest(case, overrides or [], near, count, wavelength, out)
+        changes = with_condition(overrides, condition)
+        request = ModesRequest(case, changes, near, count, wavelength, out)
         find_modes(answer, request)
 
 

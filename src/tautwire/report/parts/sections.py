@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tautwire.analyses.force.statistics import uniform_shares
 from tautwire.report.figures import animation, force_figures, line_figures
 from tautwire.report.figures.loss_figures import irregularity_figure
 from tautwire.report.parts import published
@@ -204,7 +205,36 @@ def force_section(views: Sequence[RunView]) -> Section:
             ),
         ),
     ]
+    transfer = _transfer_table(views)
+    if transfer.rows:
+        blocks.insert(1, transfer)
     return Section("force", "Contact force", tuple(blocks))
+
+
+def _transfer_table(views: Sequence[RunView]) -> Table:
+    """Return which contact wire carries what, and where; without rows where there is but one."""
+    rows = []
+    for item in series(views):
+        position, total = item.force.position, float(item.force.raw.sum())
+        for wire, share in uniform_shares(item.view.run, item.force.name).items():
+            touched = position[share > 0.0]
+            rows.append(
+                (
+                    item.named(wire),
+                    number(float(touched.min()), 1),
+                    number(float(touched.max()), 1),
+                    number(100.0 * float(share.sum()) / total, 1),
+                    number(float(share[share > 0.0].mean()), 1),
+                    number(float(share.max()), 1),
+                )
+            )
+    return Table(
+        "Contact wires under the head, over the whole passage, unfiltered.",
+        ("wire", "touched from [m]", "to [m]", "share of the force [%]",
+         "mean while touched [N]", "largest [N]"),
+        "lrrrrr",
+        tuple(rows),
+    )  # fmt: skip
 
 
 def spectrum_section(views: Sequence[RunView]) -> Section:
