@@ -308,7 +308,7 @@ def _stretches(track: Track, line: Line) -> list[_Stretch]:
         for number, (piece, (start, end)) in enumerate(
             zip(track.pieces, pairwise(ends), strict=True)
         ):
-            own = (bends[number],) * 2
+            own = bends[number], bends[number]
             if piece.transition is not None:
                 own = bends[number - 1], bends[number + 1]
             found.append(_Stretch(start, end, own, ("pieces", number)))
