@@ -16,10 +16,16 @@ from tautwire.cli.views.run_view import run_view
 from tautwire.inputs.load import load_case
 from tautwire.model.preflight import preflight
 from tautwire.report.pages.run_page import write_report
+from tautwire.report.pages.study_page import write_study_report
 from tautwire.report.parts.tables import force_history_csv
 from tautwire.results.run import Run
 from tautwire.results.statistics import ContactLoss
 from tautwire.results.storage import load_run, save_run
+from tautwire.specs.study import Study
+from tautwire.studies.execution.task import Job, perform
+from tautwire.studies.plan import plan_study
+from tautwire.studies.store import Store
+from tautwire.studies.table import collect
 
 
 def rendered(parts: list[Any]) -> str:
@@ -79,6 +85,26 @@ def test_nothing_is_marked_on_a_mesh_for_the_band() -> None:
     assert statistics.pantograph().contact_loss.is_carried
     assert statistics.pantograph().sharp.as_dict()["not_carried"] == []
     assert "‡" not in str(statistics)
+
+
+@pytest.mark.slow
+def test_study_tables_carry_the_mark(tmp_path: Path) -> None:
+    """A case on a coarse mesh has its marked columns beside the figures, in CSV and page."""
+    content = {
+        "schema": 1, "name": "meshes", "base": "ac-simple",
+        "overrides": {"line.spans": 3, "settings.section": [2, 2], "scenario.uplift_force": 150},
+        "axes": {"settings.nodes_between_droppers": [3, 24]},
+    }  # fmt: skip
+    plan = plan_study(Study.model_validate(content))
+    store = Store(tmp_path)
+    for point in plan.points:
+        store.save(point.key, perform(Job(point.key, plan.case(point).to_dict())).row)
+    table = collect(plan, store)
+    assert [table.carries((at,), "std_0_200") for at in (0, 1)] == [False, True]
+    assert [table.carries((at,), "losses") for at in (0, 1)] == [False, True]
+    assert "std_0_200" in table.to_csv().splitlines()[1]
+    page = write_study_report(table, tmp_path / "report.html").read_text("utf-8")
+    assert page.count("‡") >= 3
 
 
 def test_advice_is_kept_in_the_run(coarse_run: Run, tmp_path: Path) -> None:

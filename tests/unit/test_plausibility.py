@@ -204,6 +204,9 @@ def test_stagger_on_one_side() -> None:
     case = line(supports__contact_stagger=[0.2, -0.2, -0.25, -0.2, -0.25, 0.2, -0.2])
     (item,) = implausible_inputs(case)
     assert "supports 2 to 5 have their stagger on the same side" in str(item)
+    bend = [{"straight": "40 m"}, {"arc": "230 m", "radius": "900 m", "side": "left"},
+            {"straight": "78 m"}]  # fmt: skip
+    assert implausible_inputs(case.with_(track=bend)) == ()
 
 
 def test_base_spring_that_takes_the_force() -> None:

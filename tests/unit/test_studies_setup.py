@@ -52,10 +52,12 @@ def case_of(changes: dict[str, Any]) -> Case:
     return load_case("ac-simple", {**BASE, **changes})
 
 
-def equal(one: Equilibrium, other: Equilibrium) -> bool:
-    """Say whether two shapes agree to the last bit."""
+def equal(one: Any, other: Any) -> bool:
+    """Say whether two shapes, or parts of them, agree to the last bit."""
+    if not dataclasses.is_dataclass(one):
+        return np.array_equal(one, other)
     return all(
-        np.array_equal(getattr(one, field.name), getattr(other, field.name))
+        equal(getattr(one, field.name), getattr(other, field.name))
         for field in dataclasses.fields(one)
     )
 

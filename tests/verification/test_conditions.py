@@ -247,6 +247,29 @@ def test_spring_gives_with_the_travel() -> None:
     assert hot.end_pulls[1, 0] < T - 15e3 * 0.1
 
 
+@pytest.mark.parametrize(
+    "device", [{"weights": {"ratio": 3, "inertia": True}}, {"spring": {"stiffness": "15 kN/m"}}]
+)
+def test_devices_in_a_passage(device: dict[str, Any]) -> None:
+    """Weights that move with the wire have the mass T/(ratio g) and ratio times its travel, so that
+    the wire feels ratio T/g; with them and with a spring the line is at rest in its design, and
+    both engines give its passage alike."""
+    case = catenary(line__ends={"left": "anchored", "right": device})
+    case = case.with_(**{"settings.start": 40.0, "settings.time_step": 2e-3})
+    model = build(case)
+    shape = find_shape(model)
+    system = equations(model, shape)
+    assert out_of_balance(system, shape.position) < 1e-4
+    end = shape.wire("contact").nodes[-1]
+    mass = 3.0 * 22e3 / G if "weights" in device else 0.0
+    assert system.node_mass[end] == pytest.approx(mass)
+    at_end = system.grounds.stiffness[system.grounds.node == end]
+    assert at_end.sum() == pytest.approx(0.0 if "weights" in device else 15e3)
+    runs = [simulate(model, shape, backend=name) for name in ("reference", "native")]
+    forces = [run.contact_force("front").force for run in runs]
+    assert np.sqrt(np.mean((forces[0] - forces[1]) ** 2)) < 0.05
+
+
 def test_other_tension() -> None:
     """A changed tension acts at the weights, or moves the right one of two anchors, which holds
     the wire again."""

@@ -69,6 +69,9 @@ _ALONE = (
     "with supports.spring, as in {stiffness: 2 kN/m}"
 )
 
+_CURVED = 1e-6
+"""Curvature from which a track is not straight [1/m]: a radius of 1000 km."""
+
 _NAMED = 6
 """Places that are named one by one."""
 
@@ -145,6 +148,8 @@ def _wire(name: str, wire: Wire) -> Iterator[Advice]:
 def _staggers(case: Case) -> Iterator[Advice]:
     """Tell that the wire stays on one side of straight track."""
     sides = np.sign(case.supports.contact_staggers(case.line.spans + 1))
+    turning = alignment(case.track, case.line).bending(case.line.support_positions())
+    sides[np.linalg.norm(turning, axis=-1) > _CURVED] = 0.0
     bends = alignment(case.track, case.line).bending(case.line.support_positions())
     sides = np.where(bends[:, :2].any(axis=1), 0.0, sides)
     first = 1

@@ -24,10 +24,11 @@ Array = NDArray[np.float64]
 TOGETHER = 0.02
 """Contact wires within this height of the lowest are lifted with it [m]."""
 
-SPANS_BESIDE = 1
-"""Spans left and right of the one under the force in which droppers may go slack and elements turn;
-the line beyond is linear. With one, library lines under 100 N are within 1e-5 of the
-line nonlinear everywhere."""
+SPANS_BESIDE = 0.5
+"""Parts of the spans left and right of the one under the force in which droppers may go slack and
+elements turn; the line beyond is linear. With a half, library lines under 100 N are within 5e-5 of
+the line nonlinear everywhere, with the whole of both spans within 4e-6 at 1.2 to 1.7 times the
+cost."""
 
 
 @single_threaded
@@ -41,9 +42,9 @@ def elasticity(
     """Compute the elasticity at supports, droppers and midway between them.
 
     Every point is a static solve with a vertical force on the contact wire: nonlinear (droppers
-    go slack) in the span of the force and the spans beside it, exact but linear beyond. The points
-    cover the analysed section, its last support included. Several contact wires at one height are
-    lifted by one rigid head: their heights are equal, their shares of the force follow.
+    go slack) in the span of the force and half of those beside it, exact but linear beyond. The
+    points cover the analysed section, its last support included. Several contact wires at one
+    height are lifted by one rigid head: their heights are equal, their shares of the force follow.
 
     Parameters
     ----------
@@ -95,14 +96,13 @@ def _line(model: Model, shape: Equilibrium) -> LoadedLine:
 
 
 def _nodes(model: Model, shape: Equilibrium, span: int) -> tuple[int, int]:
-    """Return the first node, and the one after the last, of a span and those beside it."""
-    masts = model.line.masts
-    ends = masts[max(span - 1 - SPANS_BESIDE, 0)], masts[min(span + SPANS_BESIDE, len(masts) - 1)]
-    first = 0 if ends[0] == masts[0] else np.searchsorted(shape.node_s, ends[0])
-    last = len(shape.node_s)
-    if ends[1] != masts[-1]:
-        last = np.searchsorted(shape.node_s, ends[1], side="right")
-    return int(first), int(last)
+    """Return the first node, and the one after the last, of a span and parts of those beside it."""
+    masts, count = model.line.masts, len(shape.node_s)
+    number = np.arange(len(masts))
+    ends = np.interp([span - 1 - SPANS_BESIDE, span + SPANS_BESIDE], number, masts)
+    first = 0 if ends[0] <= masts[0] else int(np.searchsorted(shape.node_s, ends[0]))
+    last = count if ends[1] >= masts[-1] else int(np.searchsorted(shape.node_s, ends[1], "right"))
+    return first, last
 
 
 @dataclass(frozen=True)

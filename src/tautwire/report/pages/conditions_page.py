@@ -62,7 +62,7 @@ def _summary(
 ) -> Section:
     first, last = case.resolved_section()
     blocks: list[object] = []
-    faults = tuple(f"{one.name}: {one.fault}" for one in states if one.fault)
+    faults = tuple(f"{one.name}: {line}" for one in states for line in one.fault.splitlines())
     if faults:
         blocks.append(Callout(faults))
     blocks += [
