@@ -233,7 +233,7 @@ def test_unknown_system_is_refused(statistics: RunStatistics, case: Case) -> Non
         ("limits: [", "line 1, column 10: while parsing"),
         ("schema: 2\nlimits: []", "schema"),
         ("schema: 1\nlimits: [{id: a}]", r"limits\[1\]"),
-        ("schema: 1\nlimits: []\nlimit: 3", "limit: Extra inputs"),
+        ("schema: 1\nlimits: []\nlimit: 3", "limit: unknown key"),
         ("- 1", "must be a mapping of keys to values, not a list"),
     ],
 )

@@ -72,8 +72,12 @@ BAD_TRACKS = {
         ["track.chainage: reaches from 100 m to 2000 m of the line", "from support 1"],
     ),
     "radius too small for the spans": (
-        "track: [{arc: 1000 m, radius: 150 m, side: left}]",
-        ["track.pieces[1]: the radius of 150 m is too small for span", "spans at most 43 m long"],
+        "track: [{straight: 800 m}, {arc: 200 m, radius: 150 m, side: left}]",
+        ["track.pieces[2]: the radius of 150 m is too small for span", "spans at most 43 m long"],
+    ),
+    "half circle": (
+        "track: [{arc: 1000 m, radius: 300 m, side: right}]",
+        ["track: turns by 191 degrees", "describe at most 150 degrees at once"],
     ),
     "columns of unlike length": (
         "track: {chainage: [0, 500, 1000], radius: [0, 900]}",

@@ -33,7 +33,7 @@ STABLE = [
     ("droppers.clamp_messenger=0", lambda c: c.droppers.clamp_messenger, 0.0),
     (
         "droppers.presag=[0, 1 mm, 2 mm, 3 mm, 4 mm, 3 mm, 2 mm, 1 mm, 0]",
-        lambda c: c.droppers.presag_by_span(17)[16][:3],
+        lambda c: c.dropper_sets[0].presag_by_span(17)[16][:3],
         (0.0, 0.001, 0.002),
     ),
     ("scenario.speed=275 km/h", lambda c: c.scenario.speed, 275 / 3.6),
@@ -77,8 +77,8 @@ def test_dropper_lists_in_lengths_mode() -> None:
         "droppers.positions=[10, 27.5, 45]",
         f"droppers.lengths={[[1.0, 0.8, 1.0]] * 17}",
     )
-    assert case.droppers.lengths_by_span(17)[16] == (1.0, 0.8, 1.0)
-    assert case.droppers.positions_by_span(17)[0] == (10.0, 27.5, 45.0)
+    assert case.dropper_sets[0].lengths_by_span(17)[16] == (1.0, 0.8, 1.0)
+    assert case.dropper_sets[0].positions_by_span(17)[0] == (10.0, 27.5, 45.0)
 
 
 def test_overrides_as_a_mapping() -> None:
@@ -95,8 +95,8 @@ def test_one_text_is_one_override() -> None:
 @pytest.mark.parametrize(
     ("override", "read", "value"),
     [
-        ("droppers.presag[5]=60 mm", lambda c: c.droppers.presag_by_span(17)[3][4], 0.06),
-        ("droppers.positions[1]=5", lambda c: c.droppers.positions_by_span(17)[16][0], 5.0),
+        ("droppers.presag[5]=60 mm", lambda c: c.dropper_sets[0].presag_by_span(17)[3][4], 0.06),
+        ("droppers.positions[1]=5", lambda c: c.dropper_sets[0].positions_by_span(17)[16][0], 5.0),
         ("supports.encumbrance[3]=1.4", lambda c: c.supports.encumbrances(18)[1:3], (1.2, 1.4)),
         ("supports.contact_height[2]=5.4", lambda c: c.supports.contact_heights(18)[1], 5.4),
         (
@@ -135,7 +135,7 @@ def test_parameter_of_a_named_integrator() -> None:
 
 def test_one_presag_of_one_span() -> None:
     """One pre-sag of one span is set; the other spans keep theirs."""
-    rows = changed("droppers.presag[9][5]=60 mm").droppers.presag_by_span(17)
+    rows = changed("droppers.presag[9][5]=60 mm").dropper_sets[0].presag_by_span(17)
     assert rows[8][4] == 0.06
     assert rows[8][3] == rows[7][3] == 0.052
     assert rows[7][4] == 0.055
@@ -171,7 +171,7 @@ def test_override_is_its_own_source() -> None:
         ("scenario.spede=1", "override scenario.spede: unknown key; did you mean 'speed'?"),
         ("scenery.speed=1", "override scenery: unknown key; did you mean 'scenario'?"),
         ("scenario.speed.x=1", "unknown key; nothing can be given below this value"),
-        ("line.radius=1", "override line.radius: not modelled yet: curved track"),
+        ("line.turnout=1", "override line.turnout: not modelled yet: crossing or turnout wire"),
         ("scenario.speed", "override 'scenario.speed': write path=value, as in scenario.speed="),
         ("scenario.speed=", "override 'scenario.speed=': write path=value"),
         ("scenario.speed=[1", "override scenario.speed: the value '[1' is malformed"),

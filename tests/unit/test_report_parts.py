@@ -116,7 +116,23 @@ def test_every_input_is_listed_with_its_unit() -> None:
         return 1
 
     parts = case.to_dict()
-    assert len(values) == sum(leaves(parts[name]) for name in GROUPS)
+    assert values.pop("track") == "straight and level"
+    assert len(values) == sum(leaves(parts[name]) for name in GROUPS if name != "track")
+
+
+def test_track_is_listed_as_it_is_given() -> None:
+    """Of a track that bends only what is given is shown."""
+    arc = {"arc": 200.0, "radius": 900.0, "side": "left", "cant": 0.06}
+    values = dict(input_values(make_case(spans=3, track=[arc])))
+    shown = {path: text for path, text in values.items() if path.startswith("track")}
+    first = "track.pieces[1]"
+    assert shown == {
+        f"{first}.arc": "200 m",
+        f"{first}.radius": "900 m",
+        f"{first}.side": "left",
+        f"{first}.cant": "0.06 m",
+        "track.rail_distance": "1.5 m",
+    }
 
 
 def test_long_lists_are_shortened() -> None:

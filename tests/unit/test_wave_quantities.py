@@ -15,6 +15,7 @@ from tautwire.assessment.wave_quantities import (
     reflection_coefficient,
     wave_quantities,
 )
+from tautwire.line.expand import expand
 from tautwire.specs.case import Case
 
 from .synthetic import make_case
@@ -96,7 +97,7 @@ def test_head_resonance_of_the_benchmark_pantograph() -> None:
 
 def test_passing_lengths_of_a_line() -> None:
     """Span, the most frequent dropper interval and the interval beside the supports."""
-    lengths = passing_lengths(make_case())
+    lengths = passing_lengths(make_case(), expand(make_case()))
     assert lengths == {
         "span": 55.0,
         "dropper interval": 5.75,

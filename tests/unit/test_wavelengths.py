@@ -22,6 +22,7 @@ from tautwire.analyses.vibration.wavelengths import (
 from tautwire.assessment.wave_quantities import passing_lengths
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
+from tautwire.line.expand import expand
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import passings
 from tautwire.results.equilibrium import Equilibrium
@@ -197,7 +198,7 @@ def test_check_advice_and_report_name_the_same_lengths() -> None:
         line__spans=7, line__span_length=spans, settings__section=[2, 6],
         droppers__positions=rows, droppers__presag=[[0.0] * 5] * 7,
     )  # fmt: skip
-    lengths, passed = line_lengths(case), passing_lengths(case)
+    lengths, passed = line_lengths(case), passing_lengths(case, expand(case))
     assert passed == {
         "span": lengths.span,
         "dropper interval": lengths.dropper_interval,

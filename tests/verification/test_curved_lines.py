@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tautwire import load_equilibrium, save_equilibrium
 from tautwire.analyses.road.dynamics import simulate
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.road.shape import find_shape
@@ -285,6 +287,18 @@ def test_condition_that_changes_nothing_gives_the_design() -> None:
     assert np.abs(same.position - design.position).max() < 1e-8
     assert same.arm_forces == pytest.approx(design.arm_forces, rel=1e-6)
     assert same.arm_ends == pytest.approx(design.arm_ends, abs=1e-8)
+
+
+def test_stored_shape_keeps_its_frame(tmp_path: Path) -> None:
+    """A static state that is written and read has the same heights and staggers."""
+    case = line({"pieces": CANTED, "profile": HILL}, supports__contact_stagger=OUTSIDE)
+    _, shape = shape_of(case)
+    save_equilibrium(shape, tmp_path / "shape.nc", case)
+    read, again = load_equilibrium(tmp_path / "shape.nc")
+    assert read == case
+    assert np.array_equal(again.contact.position, shape.contact.position)
+    at_masts = np.interp(again.support_x, again.contact.s, again.contact.position[:, 1])
+    assert at_masts == pytest.approx(OUTSIDE, abs=1e-9)
 
 
 @pytest.mark.slow

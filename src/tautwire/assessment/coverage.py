@@ -61,7 +61,7 @@ def coverage_of(
     run: Run, pantograph: str, recording: Recording, part: tuple[float, float]
 ) -> Coverage:
     """State the conditions of a comparison over a part of the line [m]."""
-    case, supports = run.case, run.equilibrium.support_x
+    case, supports = run.case, run.equilibrium.mast_x
     first = int(np.searchsorted(supports, part[0], side="right"))
     last = int(np.searchsorted(supports, part[1], side="left"))
     first, last = max(first, 1), min(max(last, first, 1), len(supports) - 1)

@@ -343,7 +343,7 @@ def _common(
 ) -> NDArray[np.bool_]:
     """Tell which measured places lie in the analysed section and were passed by the run."""
     first, last = run.case.resolved_section()
-    supports = run.equilibrium.support_x
+    supports = run.equilibrium.mast_x
     section = float(supports[first - 1]), float(supports[last])
     start, end = max(section[0], simulated.position[0]), min(section[1], simulated.position[-1])
     inside = (measured.position >= start) & (measured.position <= end)
@@ -359,7 +359,7 @@ def _common(
 
 def _numbers(run: Run, track: _Track, forces: Array, position: Array) -> dict[str, float]:
     """Return the compared numbers of one record; NaN where it does not hold them."""
-    supports = run.equilibrium.support_x
+    supports = run.equilibrium.mast_x
     inside = supports[(supports >= position[0]) & (supports <= position[-1])]
     uplift = track.at(track.uplift, inside)
     height = track.at(track.height, position)
@@ -391,7 +391,7 @@ def _percentiles(
 
 def _spans(run: Run, position: Array, forces: Sequence[Array]) -> tuple[SpanFigures, ...]:
     """Return both forces span by span, over what was measured of each."""
-    line, supports = run.case.line, run.equilibrium.support_x
+    line, supports = run.case.line, run.equilibrium.mast_x
     first = int(np.searchsorted(supports, position[0], side="right"))
     last = int(np.searchsorted(supports, position[-1], side="left"))
     numbers = range(max(first, 1), min(last, len(supports) - 1) + 1)

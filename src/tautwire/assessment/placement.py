@@ -82,7 +82,7 @@ def place_on_line(
     """
     rows = model_position(run, recording, offset)
     place = np.interp(signal.time, recording.time, rows)
-    spans = np.diff(run.equilibrium.support_x)
+    spans = np.diff(run.equilibrium.mast_x)
     reach = _LESS_THAN_HALF * float(spans.min()) if search is None else search
     if reach <= 0.0:
         return Placement("as recorded", "positions are taken as recorded", np.nan, place, rows)
@@ -118,7 +118,7 @@ def model_position(run: Run, recording: Recording, offset: float) -> Array:
     given = run.case.line.chainage
     if given is None:
         return chainage
-    supports, known = run.equilibrium.support_x, np.array(given)
+    supports, known = run.equilibrium.mast_x, np.array(given)
     if known[0] > known[-1]:
         supports, known = supports[::-1], known[::-1]
     inner = np.interp(chainage, known, supports)

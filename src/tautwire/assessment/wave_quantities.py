@@ -164,7 +164,7 @@ def _static_rows(case: Case, line: Line) -> list[WaveQuantity]:
 def _passing_rows(case: Case, line: Line) -> list[WaveQuantity]:
     speed = case.scenario.speed
     rows = []
-    for name, length in _passing_lengths(case, line).items():
+    for name, length in passing_lengths(case, line).items():
         rows.append(WaveQuantity(f"passing of the {name}", speed / length, "Hz", f"v/{length:g} m"))
     element = resolution(case, line).longest
     rows.append(
@@ -178,7 +178,7 @@ def _passing_rows(case: Case, line: Line) -> list[WaveQuantity]:
     return rows
 
 
-def passing_lengths(case: Case) -> dict[str, float]:
+def passing_lengths(case: Case, line: Line) -> dict[str, float]:
     """Return the lengths that recur along the line, by name, for spectra and their lines.
 
     Where spans or intervals of the analysed section differ, the commonest is taken; droppers in
@@ -187,16 +187,14 @@ def passing_lengths(case: Case) -> dict[str, float]:
     Parameters
     ----------
     case : Case
+    line : Line
+        Its pieces.
 
     Returns
     -------
     dict of str to float m
         Keys ``span``, ``dropper interval``, ``support-dropper interval``.
     """
-    return _passing_lengths(case, expand(case))
-
-
-def _passing_lengths(case: Case, line: Line) -> dict[str, float]:
     found = recurring(line, *case.resolved_section())
     lengths = {"span": found.span}
     if found.between is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -291,6 +292,46 @@ class Equilibrium(Told):
             for wire in self.of_role("contact")
         ]
         return np.min(heights, axis=0)
+
+    @cached_property
+    def mast_x(self) -> Array:
+        """Places of the supports by number, each once however many wires it holds [m].
+
+        ``(n_span + 1,)``, the ends included.
+        """
+        return self.support_x[self._first_of_support]
+
+    def by_mast(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the largest value of the wires that each support holds.
+
+        Parameters
+        ----------
+        values : (..., n_support)
+            In the order of ``support_x``.
+
+        Returns
+        -------
+        (..., n_span + 1)
+            In the order of ``mast_x``.
+        """
+        return np.maximum.reduceat(values, self._first_of_support, axis=-1)
+
+    def support_line(self, wire: int, s: Array) -> Array:
+        """Return the height of the straight line between the supports of a wire [m].
+
+        Parameters
+        ----------
+        wire
+            Number of a contact wire.
+        s : (n,) m
+            Places along the track.
+        """
+        own = self.support_wire == wire
+        return np.interp(s, self.support_x[own], self.support_heights[own])
+
+    @cached_property
+    def _first_of_support(self) -> NDArray[np.intp]:
+        return np.unique(self.support_number, return_index=True)[1]
 
     @property
     def contact(self) -> WireShape:

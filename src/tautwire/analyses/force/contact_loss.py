@@ -111,7 +111,7 @@ def _intervals(run: Run, record: PantographRecord, *, counted: bool) -> tuple[Ar
 def nearest_place(shape: Equilibrium, position: float) -> str:
     """Name the support or dropper nearest to a position [m], for example ``"support 8"``."""
     support = int(np.argmin(np.abs(shape.support_x - position)))
-    name = f"support {support + 1}"
+    name = f"support {shape.support_number[support]}"
     if shape.dropper_x.size == 0:
         return name
     dropper = int(np.argmin(np.abs(shape.dropper_x - position)))

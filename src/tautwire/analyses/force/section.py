@@ -31,7 +31,7 @@ def analysed_section(run: Run, section: tuple[int, int] | None = None) -> Sectio
         When the spans do not lie in the line.
     """
     first, last = section if section is not None else run.case.resolved_section()
-    supports = run.equilibrium.support_x
+    supports = run.equilibrium.mast_x
     spans = supports.size - 1
     if not 1 <= first <= last <= spans:
         raise InputError(
@@ -86,7 +86,7 @@ def passage_mask(run: Run, section: Section) -> NDArray[np.bool_]:
     -------
     (n_time,) bool
     """
-    supports = run.equilibrium.support_x
+    supports = run.equilibrium.mast_x
     before = 0.5 * float(supports[section.first_span] - supports[section.first_span - 1])
     after = 0.5 * float(supports[section.last_span] - supports[section.last_span - 1])
     mask = np.zeros(run.time.size, dtype=np.bool_)

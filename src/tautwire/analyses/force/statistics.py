@@ -214,9 +214,9 @@ def support_uplift(run: Run, section: Section) -> UpliftStatistics:
     -------
     UpliftStatistics
     """
-    columns = slice(section.first_span - 1, section.last_span + 1)
-    history = run.support_uplift[passage_mask(run, section), columns].astype(np.float64)
-    positions = run.equilibrium.support_x[columns]
+    shape, inside = run.equilibrium, slice(section.first_span - 1, section.last_span + 1)
+    history = shape.by_mast(run.support_uplift[passage_mask(run, section)].astype(np.float64))
+    history, positions = history[:, inside], shape.mast_x[inside]
     numbers = np.arange(section.first_span, section.last_span + 2)
     uplift = history.max(axis=0) if history.shape[0] else np.full(numbers.size, np.nan)
     return UpliftStatistics(numbers, positions, uplift)
@@ -276,7 +276,7 @@ def _pantograph_statistics(
     carried: float,
 ) -> PantographStatistics:
     force = uniform_force(run, record.name)
-    supports = run.equilibrium.support_x
+    supports = run.equilibrium.mast_x
     heights = record.wire_height[section.contains(record.position) & record.active]
     return PantographStatistics(
         name=record.name,

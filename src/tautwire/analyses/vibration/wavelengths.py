@@ -141,13 +141,9 @@ def presag_spectrum(
         When the section does not lie in the line.
     """
     first, last = section
-    if not 1 <= first <= last < len(shape.support_x):
-        raise InputError(
-            f"section [{first}, {last}]: the line has {len(shape.support_x) - 1} spans"
-        )
-    points = even_points(
-        shape, start=float(shape.support_x[first - 1]), end=float(shape.support_x[last])
-    )
+    if not 1 <= first <= last < len(shape.mast_x):
+        raise InputError(f"section [{first}, {last}]: the line has {len(shape.mast_x) - 1} spans")
+    points = even_points(shape, start=float(shape.mast_x[first - 1]), end=float(shape.mast_x[last]))
     heights = points.heights(shape.position)
     return wavenumber_spectrum(heights, points.spacing, window, density=density)
 

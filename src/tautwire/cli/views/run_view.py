@@ -119,8 +119,7 @@ def _uplift(run: Run, statistics: RunStatistics) -> str:
     if not math.isfinite(uplift.maximum):
         return ""
     support = uplift.supports[uplift.uplift == uplift.maximum][0]
-    known_as = run.case.line.place_of_support(int(support) - 1)
-    where = f"support {support}, {known_as}" if known_as else f"support {support}"
+    where = run.case.line.support_in_words(int(support))
     return f"largest uplift at a support {quantity(1e3 * uplift.maximum, 'mm')} ({where})"
 
 

@@ -73,9 +73,10 @@ def _extent(values: Any, unit: str) -> str:
 
 def _span_table(shape: Equilibrium, elasticity: Elasticity | None, span: int) -> Any:
     at = _elasticity_in(span, elasticity)
-    left = shape.support_x[span - 1]
+    left = shape.mast_x[span - 1]
+    lowest = -shape.by_mast(-shape.support_heights)
     rows = [
-        ("support", "0.000", "", "", "", f"{shape.support_heights[span - 1]:.4f}",
+        ("support", "0.000", "", "", "", f"{lowest[span - 1]:.4f}",
          at.get(("support", 0), "")),
     ]  # fmt: skip
     for i in np.flatnonzero(shape.dropper_span == span):
@@ -120,20 +121,21 @@ def _line_table(case: Case, shape: Equilibrium) -> Any:
     if case.line.spans > MOST_SPANS:
         first, last = case.resolved_section()
         spans = range(first, min(last, first + MOST_SPANS - 1) + 1)
-    arms = {int(support): i for i, support in enumerate(shape.arm_supports)}
+    supports = shape.support_number[shape.arm_supports - 1]
+    lowest = -shape.by_mast(-shape.support_heights)
     rows = []
     for span in spans:
         own = shape.dropper_span == span
-        arm = arms.get(span)
+        arms = supports == span
         rows.append(
             (
                 str(span),
-                f"{shape.support_x[span] - shape.support_x[span - 1]:g}",
+                f"{shape.mast_x[span] - shape.mast_x[span - 1]:g}",
                 str(int(own.sum())),
                 _extent(shape.dropper_forces[own], ""),
-                "" if arm is None else f"{shape.arm_forces[arm]:.1f}",
-                "" if arm is None else number(float(np.degrees(shape.arm_angles[arm]))),
-                f"{shape.support_heights[span - 1]:.4f}",
+                _extent(shape.arm_forces[arms], "") if arms.any() else "",
+                _extent(np.degrees(shape.arm_angles[arms]), "") if arms.any() else "",
+                f"{lowest[span - 1]:.4f}",
             )
         )
     heads = (

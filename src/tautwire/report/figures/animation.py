@@ -60,7 +60,7 @@ def film(view: RunView, budget: Budget) -> dict[str, Any]:
     moving = [force for force in view.forces if not force.is_empty]
     return {
         "title": view.label,
-        "supports": shape.support_x.tolist(),
+        "supports": shape.mast_x.tolist(),
         "droppers": packing.floats(shape.dropper_x),
         "dropperWires": shape.dropper_wires.ravel().tolist(),
         "slack": packing.counts(_slack(run, shots.time)),
@@ -85,7 +85,7 @@ def exaggeration(view: RunView, length: float) -> int:
 
 def visible_length(view: RunView) -> float:
     """Return the length that shows about three spans [m]."""
-    return float(3.0 * np.median(np.diff(view.run.equilibrium.support_x)))
+    return float(3.0 * np.median(np.diff(view.run.equilibrium.mast_x)))
 
 
 def _coarse(run: Run) -> Snapshots:

@@ -151,7 +151,7 @@ def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) ->
         name="droppers",
         showlegend=False,
     )
-    ends = [shape.support_x[0], shape.support_x[-1]]
+    ends = [shape.mast_x[0], shape.mast_x[-1]]
     figure.add_scatter(
         x=ends, y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip", mode="lines"
     )
@@ -159,7 +159,7 @@ def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) ->
         x0=section[0], x1=section[1], fillcolor=style.SECTION, line_width=0, layer="below"
     )
     figure.update_layout(
-        xaxis9=style.support_axis(shape.support_x.tolist()),
+        xaxis9=style.support_axis(shape.mast_x.tolist()),
         yaxis9={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True},
     )
 

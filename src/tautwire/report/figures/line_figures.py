@@ -35,10 +35,10 @@ def line_figure(view: RunView) -> go.Figure:
     _add_sag(figure, shape)
     _add_plan(figure, shape)
     figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
-    x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.support_x}
+    x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
     figure.update_xaxes(
-        ticktext=[f"{n}<br>{p:g} m" for n, p in enumerate(shape.support_x.round(2), 1)],
+        ticktext=[f"{n}<br>{p:g} m" for n, p in enumerate(shape.mast_x.round(2), 1)],
         showticklabels=True,
         title={"text": "support and position along the track", "standoff": 14},
         row=3,
@@ -52,7 +52,7 @@ def line_figure(view: RunView) -> go.Figure:
 
 def _opening(view: RunView) -> list[float]:
     """Return the first three spans of the section."""
-    x, first = view.run.equilibrium.support_x, view.statistics.section.first_span
+    x, first = view.run.equilibrium.mast_x, view.statistics.section.first_span
     last = min(first + 2, x.size - 1)
     margin = 0.03 * (x[last] - x[first - 1])
     return [float(x[first - 1] - margin), float(x[last] + margin)]
@@ -140,14 +140,15 @@ def _add_segments(
 
 def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
     wire = shape.contact_position
-    straight = np.interp(wire[:, 0], shape.support_x, shape.support_heights)
-    sag = 1e3 * (straight - wire[:, 2])
+    first = shape.wires.index(shape.contact)
+    sag = 1e3 * (shape.support_line(first, wire[:, 0]) - wire[:, 2])
     name, _, line = _wires(wire, wire)[1]
     _add_wire(figure, wire[:, 0], sag, name, line, row=2, text="%{y:.2f} mm below the supports")
-    at = np.interp(shape.dropper_x, shape.support_x, shape.support_heights)
+    own = shape.dropper_wires[:, 1] == first
+    place, height = shape.dropper_x[own], shape.dropper_heights[own]
     figure.add_scatter(
-        x=shape.dropper_x.astype(np.float32),
-        y=(1e3 * (at - shape.dropper_heights)).astype(np.float32),
+        x=place.astype(np.float32),
+        y=(1e3 * (shape.support_line(first, place) - height)).astype(np.float32),
         mode="markers",
         marker={"size": 6, "color": "#fff", "line": {"color": style.COLOURS[0], "width": 1.5}},
         name="at droppers",
@@ -161,8 +162,12 @@ def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
     for name, wire, line in _wires(shape.contact_position, shape.messenger_position):
         _add_wire(figure, wire[:, 0], 1e3 * wire[:, 1], name, line, row=3, text="y = %{y:.1f} mm")
     if shape.arm_supports.size:
-        foot_x = shape.support_x[shape.arm_supports - 1]
-        foot_y = np.interp(foot_x, shape.contact_position[:, 0], 1e3 * shape.contact_position[:, 1])
+        rows = shape.arm_supports - 1
+        foot_x = shape.support_x[rows]
+        wires = (shape.wires[wire].position for wire in shape.support_wire[rows].tolist())
+        foot_y = np.array(
+            [1e3 * np.interp(x, r[:, 0], r[:, 1]) for x, r in zip(foot_x, wires, strict=True)]
+        )
         ends = (shape.arm_ends[:, 0], 1e3 * shape.arm_ends[:, 1])
         _add_segments(figure, (foot_x, foot_y), ends, "steady arms", 3)
 
@@ -175,7 +180,8 @@ def uplift_figure(views: Sequence[RunView]) -> go.Figure:
         layout=style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25)
     )
     for number, view in enumerate(views):
-        uplift, inside = view.run.support_uplift, view.statistics.uplift
+        inside = view.statistics.uplift
+        uplift = view.run.equilibrium.by_mast(view.run.support_uplift)
         supports = np.arange(1, uplift.shape[1] + 1)
         highest = 1e3 * uplift.max(axis=0) if uplift.shape[0] else np.full(supports.size, np.nan)
         highest[inside.supports - 1] = 1e3 * inside.uplift
@@ -209,9 +215,10 @@ def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
         support = highest_support(view)
         if support is None or view.run.time.size < 2:
             continue
-        history = 1e3 * view.run.support_uplift[:, support - 1].astype(float)
+        lifted = view.run.equilibrium.by_mast(view.run.support_uplift)
+        history = 1e3 * lifted[:, support - 1].astype(float)
         kept, look = thinned(history, share(3 * len(views), 6000)), style.look(number)
-        name = f"support {support}"
+        name = view.run.case.line.support_in_words(support)
         figure.add_scatter(
             x=view.run.time[kept].astype(np.float32),
             y=history[kept].astype(np.float32),
@@ -300,10 +307,10 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
         shift = room * 0.8 * ((number + 0.5) / len(views) - 0.5)
         _add_droppers(figure, view, number, shift, 0.62 * room / len(views), many=len(views) > 1)
     figure.update_layout(style.layout(470, top=44, hovermode="closest", barmode="overlay"))
-    x = {"gridcolor": style.SUPPORT, "tickvals": shape.support_x}
+    x = {"gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=list(first.section)))
     figure.update_xaxes(
-        ticktext=[str(n) for n in range(1, shape.support_x.size + 1)],
+        ticktext=[str(n) for n in range(1, shape.mast_x.size + 1)],
         showticklabels=True,
         title={"text": "support", "standoff": 6},
         row=2,
@@ -401,7 +408,7 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
             text=[names[i] for i in order],
             hovertemplate="%{text}: %{y:.4f} mm/N<extra></extra>",
         )
-    inside = run.equilibrium.support_x
+    inside = run.equilibrium.mast_x
     figure.update_layout(
         xaxis=style.axis(
             "support",

@@ -121,7 +121,7 @@ def _add_force(
 def irregularity_figure(view: RunView, drawn: DrawnIrregularities) -> go.Figure:
     """Draw what the head meets, the running surface, and the errors of installation."""
     shape, curves = view.run.equilibrium, []
-    x = np.arange(shape.support_x[0], shape.support_x[-1], SPACING)
+    x = np.arange(shape.mast_x[0], shape.mast_x[-1], SPACING)
     sag = _sag(shape, x)
     panels = [
         Panel(
@@ -157,5 +157,5 @@ def irregularity_figure(view: RunView, drawn: DrawnIrregularities) -> go.Figure:
 def _sag(shape: Equilibrium, x: Any) -> Any:
     """Return the depth of the contact wire below the straight line between supports [m]."""
     wire = shape.contact_position
-    straight = np.interp(x, shape.support_x, shape.support_heights)
+    straight = shape.support_line(shape.wires.index(shape.contact), x)
     return straight - np.interp(x, wire[:, 0], wire[:, 2])

@@ -136,7 +136,7 @@ def _force_blocks(run: Run, one: MeasurementComparison, suffix: str) -> tuple[ob
         if found is not None
     ]
     if shown:
-        spans = np.diff(run.equilibrium.support_x)
+        spans = np.diff(run.equilibrium.mast_x)
         marks = {"span": 1.0 / float(np.median(spans))}
         blocks.append(
             chart(

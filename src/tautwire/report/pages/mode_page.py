@@ -113,7 +113,7 @@ def _shapes(found: Modes, shape: Equilibrium, lengths: LineLengths) -> Section:
             Heading(f"{title}, sensitive to {found.wavelengths[i]:.3f} m"),
             chart(
                 f"mode-{i}",
-                mode_figure(found, i, shape.support_x),
+                mode_figure(found, i, shape.mast_x),
                 f"Vertical mode shape of both wires at {title}.",
                 "Curves of the mode shape over the line.",
             ),

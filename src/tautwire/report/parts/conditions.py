@@ -15,8 +15,8 @@ from tautwire.report.parts.words import compact, counted, listing, number, quant
 from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 
-GROUPS = ("line", "wires", "supports", "droppers", "irregularities", "pantographs", "scenario",
-          "settings")  # fmt: skip
+GROUPS = ("track", "line", "wires", "supports", "droppers", "irregularities", "pantographs",
+          "scenario", "settings")  # fmt: skip
 LONG = 12
 """Lists with more items than this are shortened."""
 
@@ -131,11 +131,15 @@ def input_values(case: Case) -> list[tuple[str, str]]:
 def leaves_of_group(case: Case, group: str) -> Iterator[tuple[str, Any, str]]:
     """Yield the values of one top-level part of a case."""
     part = getattr(case, group)
-    if isinstance(part, BaseModel):
+    if part is case.track:
+        found = [leaf for leaf in leaves(part, group) if leaf[1] not in (None, ())]
+        level = [("track", "straight and level", "")]
+        yield from level if case.track.is_straight_and_level else found
+    elif isinstance(part, BaseModel):
         yield from leaves(part, group)
-        return
-    for index, item in enumerate(part, 1):
-        yield from leaves(item, f"{group}[{index}]")
+    else:
+        for index, item in enumerate(part, 1):
+            yield from leaves(item, f"{group}[{index}]")
 
 
 def _shown(value: Any, unit: str) -> str:

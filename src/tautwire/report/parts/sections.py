@@ -26,6 +26,7 @@ from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.bands import WIDEST
+from tautwire.specs.line.catenary import Line
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -70,7 +71,9 @@ def line_section(views: Sequence[RunView]) -> Section:
         Details("Droppers: lengths, forces, heights", (dropper_table(shape),)),
     ]
     if shape.arm_supports.size:
-        blocks.append(Details("Steady arms: forces and inclination", (_arm_table(shape),)))
+        blocks.append(
+            Details("Steady arms: forces and inclination", (_arm_table(view.run.case.line, shape),))
+        )
     blocks += _irregularity_blocks(views)
     blocks.append(
         Text(
@@ -104,7 +107,7 @@ def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
 
 def position_buttons(view: RunView) -> tuple[Button, ...]:
     """Return buttons for the section, the whole line and two spans of its middle."""
-    x, part = view.run.equilibrium.support_x, view.statistics.section
+    x, part = view.run.equilibrium.mast_x, view.statistics.section
     middle = (part.first_span + part.last_span) // 2
     ends = (float(x[0]), float(x[-1]))
     two = (float(x[middle - 1]), float(x[min(middle + 1, x.size - 1)]))
@@ -142,17 +145,27 @@ def dropper_table(shape: Equilibrium) -> Table:
     )  # fmt: skip
 
 
-def _arm_table(shape: Equilibrium) -> Table:
+def _arm_table(line: Line, shape: Equilibrium) -> Table:
+    held = shape.arm_supports - 1
     rows = [
-        (str(support), number(force, 1), number(np.degrees(angle), 2))
-        for support, force, angle in zip(
-            shape.arm_supports, shape.arm_forces, shape.arm_angles, strict=True
+        (
+            line.support_in_words(support).removeprefix("support "),
+            shape.wire_names[wire],
+            number(force, 1),
+            number(np.degrees(angle), 2),
+        )
+        for support, wire, force, angle in zip(
+            shape.support_number[held].tolist(),
+            shape.support_wire[held].tolist(),
+            shape.arm_forces,
+            shape.arm_angles,
+            strict=True,
         )
     ]
     return Table(
         "Steady arms; tension is positive, the angle when the far end is above the wire.",
-        ("support", "force [N]", "angle [°]"),
-        "rrr",
+        ("support", "wire", "force [N]", "angle [°]"),
+        "llrr",
         tuple(rows[:MOST_ROWS]),
     )
 

@@ -95,7 +95,7 @@ def _statement(view: RunView, *, many: bool) -> str:
     if support is not None:
         text += (
             f" At the supports the contact wire rises by at most {quantity(1e3 * uplift, 'mm')} "
-            f"(support {support})."
+            f"({view.run.case.line.support_in_words(support)})."
         )
     return text
 

@@ -85,7 +85,7 @@ class RunView:
     @property
     def supports(self) -> list[float]:
         """Positions of the supports [m]."""
-        return self.run.equilibrium.support_x.tolist()
+        return self.run.equilibrium.mast_x.tolist()
 
 
 @dataclass(frozen=True, eq=False)

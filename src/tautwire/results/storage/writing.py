@@ -170,7 +170,7 @@ def _write_axes(file: h5netcdf.File, run: Run) -> None:
     _write(file, layout.TIME, run.time)
     _write(file, layout.NAMES, names)
     axes = (
-        ("support", "1", "number of the support, from 1", _numbers(run.support_uplift.shape[1])),
+        ("support", "1", "number of the support, from 1", run.equilibrium.support_number),
         ("dropper", "1", count, _numbers(run.dropper_force.shape[1])),
         ("stage", "1", "number of the stage, 1 is the head", _numbers(stages)),
     )

@@ -227,6 +227,10 @@ class Line(Spec):
             parts.append(f"km {self.chainage[index] / 1e3:.3f}")
         return ", ".join(parts)
 
+    def support_in_words(self, number: int) -> str:
+        """Name a support by its number, from 1, and by mast and chainage where it has them."""
+        return ", ".join(filter(None, (f"support {number}", self.place_of_support(number - 1))))
+
     def length(self) -> float:
         """Return the distance between the two anchors [m]."""
         return self.support_positions()[-1]

@@ -281,28 +281,43 @@ def _faults_of_values(track: Track, places: tuple[float, ...]) -> Iterator[Probl
 
 @dataclass(frozen=True)
 class _Stretch:
-    """Part of a track with the smallest radius on it [m], and where that is given."""
+    """Part of a track: curvatures at both ends [1/m], positive to the left, and its path."""
 
     start: float
     end: float
-    radius: float
+    bends: tuple[float, float]
     path: tuple[str | int, ...]
+
+    @property
+    def radius(self) -> float:
+        """Smallest radius [m]."""
+        sharpest = max(abs(bend) for bend in self.bends)
+        return 1.0 / sharpest if sharpest else math.inf
+
+    @property
+    def turn(self) -> float:
+        """By how much the track turns to the left [rad]."""
+        return 0.5 * sum(self.bends) * (self.end - self.start)
 
 
 def _stretches(track: Track, line: Line) -> list[_Stretch]:
     if track.chainage is None:
         ends = list(accumulate((piece.length for piece in track.pieces), initial=0.0))
-        return [
-            _Stretch(start, end, piece.radius or math.inf, ("pieces", number))
-            for number, (piece, (start, end)) in enumerate(
-                zip(track.pieces, pairwise(ends), strict=True)
-            )
-        ]
+        bends = [piece.bend[0] for piece in track.pieces]
+        found = []
+        for number, (piece, (start, end)) in enumerate(
+            zip(track.pieces, pairwise(ends), strict=True)
+        ):
+            own = bends[number], bends[number]
+            if piece.transition is not None:
+                own = bends[number - 1], bends[number + 1]
+            found.append(_Stretch(start, end, own, ("pieces", number)))
+        return found
     places = [line.distance(place) for place in track.chainage]
-    radii = [abs(radius) or math.inf for radius in track.radius or (0.0,) * len(places)]
+    rows = [1.0 / radius if radius else 0.0 for radius in track.radius or (0.0,) * len(places)]
     return [
-        _Stretch(min(ends), max(ends), min(radii[row : row + 2]), ("radius", row))
-        for row, ends in enumerate(pairwise(places))
+        _Stretch(min(ends), max(ends), own, ("radius", row))
+        for row, (ends, own) in enumerate(zip(pairwise(places), pairwise(rows), strict=True))
     ]
 
 
@@ -319,6 +334,14 @@ def check_track(line: Line, track: Track, pantographs: Sequence[Pantograph]) -> 
         )
         text = f"{what}; describe the track from support 1 to support {line.spans + 1}"
         return [Problem(("track", "pieces" if track.pieces else "chainage"), text)]
+    headings = list(accumulate((stretch.turn for stretch in stretches), initial=0.0))
+    turn = math.degrees(max(headings) - min(headings))
+    if turn > LARGEST_TURN:
+        text = (
+            f"turns by {turn:.0f} degrees; a plane across the track would meet a wire twice: "
+            f"describe at most {LARGEST_TURN:g} degrees at once, as lines of their own"
+        )
+        return [Problem(("track",), text)]
     head = min(pantograph.head_length for pantograph in pantographs)
     return list(_faults_of_spans(line, stretches, head))
 
@@ -344,6 +367,9 @@ def _faults_of_spans(line: Line, stretches: list[_Stretch], head: float) -> Iter
                 "(line.span_length)",
             )
 
+
+LARGEST_TURN = 150.0
+"""Largest turn of a track under one line [degrees]: at 180 its ends run side by side."""
 
 _SAME_PLACE = 1e-6
 """Distance below which two places of a track are one [m]."""
