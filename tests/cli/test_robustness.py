@@ -257,7 +257,7 @@ def test_unexpected_error(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> No
         raise ZeroDivisionError("division by zero")
 
     monkeypatch.setattr("tautwire.model.preflight.preflight", broken)
-    monkeypatch.setattr("tautwire.cli.commands.check.preflight", broken)
+    monkeypatch.setattr("tautwire.cli.commands.inputs.check.preflight", broken)
     outcome = invoke("check", "ac-simple", "--json")
     assert outcome.code == 1
     assert outcome.document["error"]["kind"] == "internal"

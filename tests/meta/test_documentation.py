@@ -13,7 +13,7 @@ import tautwire
 from tautwire.inputs.reading import line_tables
 from tautwire.specs.line.irregularity import Unevenness
 from tautwire.specs.pantograph import RoofMotion
-from tautwire.specs.vocabulary import features
+from tautwire.specs.schema.vocabulary import features
 
 WORDS_OF_A_ROW = {
     "case",

@@ -14,7 +14,7 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
-from tautwire.specs.vocabulary import Meaning, folded, meaning_of, words_for
+from tautwire.specs.schema.vocabulary import Meaning, folded, meaning_of, words_for
 from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
 from tautwire.tables.sheets import read_sheets

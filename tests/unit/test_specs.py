@@ -29,7 +29,14 @@ from tautwire.specs import (
     Wire,
     case_json_schema,
 )
-from tautwire.specs.vocabulary import Meaning, features, folded, meaning_of, renamed_keys, words_for
+from tautwire.specs.schema.vocabulary import (
+    Meaning,
+    features,
+    folded,
+    meaning_of,
+    renamed_keys,
+    words_for,
+)
 
 STAGE = {"mass": 7.5, "stiffness": 7000.0, "damping": 45.0}
 

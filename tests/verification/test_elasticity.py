@@ -251,3 +251,14 @@ def test_standing_pantograph_settles_at_the_elasticity() -> None:
     settled = float(block.wire_height[-1, 0] - height)
     assert block.contact_force[-1, 0] == pytest.approx(60.0, abs=0.05)
     assert settled == pytest.approx(60.0 * result.elasticity[at], rel=1e-3)
+
+
+def test_section_that_ends_at_the_last_anchor() -> None:
+    """Points of the last span are pressed in their own span, also where no support follows."""
+    case = load_case("ac-simple", {"line.spans": 3, "settings.nodes_between_droppers": 2,
+                                      "settings.section": [1, 3]})  # fmt: skip
+    model = build(case)
+    found = elasticity(model, find_shape(model))
+    middle = [found.elasticity[(found.span == span) & (np.array(found.kind) == "middle")]
+              for span in (1, 3)]  # fmt: skip
+    assert middle[1][::-1] == pytest.approx(middle[0], rel=0.02)

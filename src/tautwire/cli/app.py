@@ -150,7 +150,7 @@ def cases(
 ) -> None:
     """List what the library holds, show an entry, or copy one to start your own line from."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.library import copy_entry, list_library, show_entry
+        from tautwire.cli.commands.inputs.library import copy_entry, list_library, show_entry
 
         if name is None:
             list_library(answer, copying=copy is not None)
@@ -164,7 +164,7 @@ def cases(
 def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption = False) -> None:
     """Check an input: every error at once, wave quantities, advice. Nothing is computed."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.check import check_case
+        from tautwire.cli.commands.inputs.check import check_case
 
         check_case(answer, case, overrides or [])
 
@@ -318,7 +318,7 @@ def reproduce(
 def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
     """Print the JSON Schema of a case file, for editors and programs."""
     with answering(as_json=True) as answer:
-        from tautwire.specs.json_schema import case_json_schema
+        from tautwire.specs.schema.json_schema import case_json_schema
 
         answer.document.update(case_json_schema())
 

@@ -36,7 +36,7 @@ from tautwire.inputs.reading.line_tables import (
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import Cells, Column
 from tautwire.specs.base import Spec
-from tautwire.specs.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
+from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100

@@ -20,8 +20,8 @@ from tautwire.inputs.paths import PathError, find_target, format_path, parse_pat
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import Case
+from tautwire.specs.schema.upgrade import SCHEMA_VERSION
 from tautwire.specs.settings import NOT_GIVEN
-from tautwire.specs.upgrade import SCHEMA_VERSION
 
 
 def load_case(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Case:

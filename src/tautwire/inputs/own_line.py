@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from tautwire.inputs.paths import format_path
 from tautwire.signals.bands import WIDEST
-from tautwire.specs.upgrade import SCHEMA_VERSION
+from tautwire.specs.schema.upgrade import SCHEMA_VERSION
 from tautwire.units import to_unit
 
 TEMPLATE = "tautwire new"

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from tautwire.inputs.reading.files import did_you_mean
 from tautwire.specs.base import FORMS, MAPPING, Quantity, Spec, Typical
 from tautwire.specs.case import Case
-from tautwire.specs.vocabulary import PAGE, meaning_of
+from tautwire.specs.schema.vocabulary import PAGE, meaning_of
 
 Path = tuple[str | int, ...]
 _STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)

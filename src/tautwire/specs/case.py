@@ -21,8 +21,8 @@ from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.scenario import Scenario
+from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
-from tautwire.specs.upgrade import upgraded
 from tautwire.text import Told
 
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]

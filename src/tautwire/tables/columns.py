@@ -8,7 +8,7 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
-from tautwire.specs.vocabulary import folded, words_for
+from tautwire.specs.schema.vocabulary import folded, words_for
 
 TEXT, COUNT, DEGREES, ANY = "text", "#", "deg", "any"
 KINDS = ("supports", "droppers", "wires")

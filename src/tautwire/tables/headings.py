@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tautwire.specs.vocabulary import folded
+from tautwire.specs.schema.vocabulary import folded
 from tautwire.tables.columns import TEXT, Field, places, split_heading
 from tautwire.tables.values import unit_fits
 

@@ -73,7 +73,8 @@ def elasticity(
     line = _line(model, shape)
     points = _points(model)
     values = []
-    for span, group in groupby(points, lambda point: min(point.span, points[-1].span - 1)):
+    last = model.case.resolved_section()[1]
+    for span, group in groupby(points, lambda point: min(point.span, last)):
         if watch is not None:
             watch(len(values), len(points))
         window = line.window(*_nodes(model, shape, span))

@@ -23,7 +23,7 @@ from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
-from tautwire.report.parts.comparison import (
+from tautwire.report.parts.recordings.comparison import (
     HEADS,
     number_row,
     outcome_of,

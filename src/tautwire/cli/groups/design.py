@@ -33,6 +33,6 @@ def spans(
 ) -> None:
     """Tabulate the longest span over radius and wind, from the lateral position of the wire."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.spans import show_spans
+        from tautwire.cli.commands.inputs.spans import show_spans
 
         show_spans(answer, table_file, out)

@@ -45,7 +45,7 @@ def catalogue(
 ) -> None:  # fmt: skip
     """List, search and show wires, ropes, droppers, clamps, arms and pantographs with sources."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.catalogue import copy_entry, show_catalogue
+        from tautwire.cli.commands.inputs.catalogue import copy_entry, show_catalogue
 
         words = " ".join(name or [])
         if copy is not None:
@@ -88,7 +88,7 @@ def new(
     What is not said is asked for on a terminal, else chosen by the program.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.new import Answers, write_new
+        from tautwire.cli.commands.inputs.new import Answers, write_new
 
         answers = Answers(
             system, speed, span, spans, contact, contact_tension, messenger, messenger_tension,
@@ -109,7 +109,7 @@ def limits(
 ) -> None:  # fmt: skip
     """List the limits that a passage is checked against, or copy them to a file of your own."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.limits import copy_limits, show_limits
+        from tautwire.cli.commands.inputs.limits import copy_limits, show_limits
 
         if copy is not None:
             copy_limits(answer, copy, force=force)

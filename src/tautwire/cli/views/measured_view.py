@@ -8,7 +8,7 @@ from typing import Any
 
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.measured.evaluation import Evaluation
-from tautwire.report.parts.measured import (
+from tautwire.report.parts.recordings.measured import (
     COUNTED,
     event_rows,
     figure_rows,

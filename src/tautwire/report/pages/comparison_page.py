@@ -16,7 +16,7 @@ from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.measured_page import reading_blocks
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text, Verdict
-from tautwire.report.parts.comparison import (
+from tautwire.report.parts.recordings.comparison import (
     HEADS,
     coverage_rows,
     number_row,

@@ -11,7 +11,7 @@ from tautwire.measured.evaluation import Evaluation
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
-from tautwire.report.parts.measured import (
+from tautwire.report.parts.recordings.measured import (
     COUNTED,
     event_rows,
     figure_rows,

@@ -85,7 +85,7 @@ def folded(word: str) -> str:
 def _content() -> dict[str, dict[str, list[str]]]:
     import yaml
 
-    text = files("tautwire.specs").joinpath("vocabulary.yaml").read_text(encoding="utf-8")
+    text = files("tautwire.specs.schema").joinpath("vocabulary.yaml").read_text(encoding="utf-8")
     content: Any = yaml.safe_load(text)
     return content
 

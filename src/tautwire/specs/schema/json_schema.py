@@ -7,7 +7,7 @@ from typing import Any
 
 from tautwire.specs.base import Spec
 from tautwire.specs.case import Case
-from tautwire.specs.upgrade import READ_VERSIONS
+from tautwire.specs.schema.upgrade import READ_VERSIONS
 
 JsonSchema = dict[str, Any]
 

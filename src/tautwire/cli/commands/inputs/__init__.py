@@ -1,0 +1,1 @@
+"""Commands about what goes in: cases, catalogue, limits, span tables, own lines."""

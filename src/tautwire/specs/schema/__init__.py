@@ -1,0 +1,1 @@
+"""The input format as a whole: its versions, its words, its JSON schema."""
