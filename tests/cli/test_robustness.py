@@ -113,7 +113,7 @@ FILES = [
     _file("malformed TOML", "bad.toml", "line = \n", "bad.toml: cannot be read as TOML", "line 1"),
     _file("repeated key", "twice.yaml", "name: a\nname: b\n", "line 2", "keep one of them"),
     _file("not text", "noise.yaml", bytes(range(256)), "noise.yaml", "UTF-8"),
-    _file("unknown feature", "wind.yaml", HEAD + "wind: true\n",
+    _file("unknown feature", "turnout.yaml", HEAD + "turnout: true\n",
           "not modelled yet", "Not modelled yet"),
     _file("schema", "old.yaml", HEAD.replace("schema: 1", "schema: 7"), "schema", "1"),
     _file("trailing pantograph", "short.yaml",
@@ -297,7 +297,8 @@ def test_failed_run_keeps_what_it_has(invoke: Invoke, monkeypatch: pytest.Monkey
     def failing(*arguments: object) -> object:
         stepper = made(*arguments)  # pyright: ignore[reportArgumentType]
         advance = stepper.advance
-        stepper.advance = lambda steps: replace(advance(steps), status=Status.NOT_CONVERGED)
+        failed = lambda steps: replace(advance(steps), status=Status.NOT_CONVERGED)  # noqa: E731
+        monkeypatch.setattr(stepper, "advance", failed)
         return stepper
 
     monkeypatch.setattr("tautwire.analyses.road.dynamics.make_stepper", failing)
