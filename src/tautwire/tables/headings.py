@@ -75,6 +75,11 @@ def _spellings(heading: str, unit_below: str) -> Iterator[tuple[str, str]]:
             yield match.group(1), match.group(2)
 
 
+_LONGEST_NUMBER = 3
+"""Digits of the number of a strip or sensor; a longer one belongs to the name. Chosen: trains have
+fewer than a thousand of them."""
+
+
 def _numbers(words: str) -> tuple[int | None, int | None, frozenset[str]]:
     """Return strip, sensor and the names that are left: all words, and ends of them."""
     known = places()
@@ -82,7 +87,7 @@ def _numbers(words: str) -> tuple[int | None, int | None, frozenset[str]]:
     letters, digits = [], []
     for token in _TOKEN.findall(words):
         place = known.get(folded(token))
-        if token.isdecimal():
+        if token.isdecimal() and len(token) <= _LONGEST_NUMBER:
             digits.append(int(token))
         elif place is not None:
             found[place[0]] = place[1]
