@@ -426,3 +426,11 @@ def test_long_recordings_load_fast(tmp_path: Path) -> None:
     recording = tw.load_recording(path)
     assert process_time() - start < 1.0
     assert recording.forces.shape == (4, 300_000)
+
+
+def test_number_of_thousands_of_digits_is_no_sensor(tmp_path: Path) -> None:
+    """A cell of 5000 digits, looked at as a heading, ends in a message."""
+    path = tmp_path / "record.csv"
+    path.write_text(f"position [m],force [N]\n0,100\n1,{'9' * 5000}\n2,3\n", encoding="utf-8")
+    with pytest.raises(InputError):
+        open_recording(path)
