@@ -128,7 +128,7 @@ _HOMES = {
     "write_report": "tautwire.report.pages.run_page",
 }
 
-register("plot", "tautwire.report.plots", "RunPlots")
+register("plot", "tautwire.report.pages.notebook", "RunPlots")
 
 
 def __getattr__(name: str) -> object:

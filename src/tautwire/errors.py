@@ -22,6 +22,13 @@ def cure_of(error: Exception) -> str:
     return next(cures, "check free space, path and permissions")
 
 
+def not_installed(package: str, extra: str) -> InputError:
+    """Return what is raised where a package of an extra is missing."""
+    return InputError(
+        f"{package} is not installed; install it with: pip install 'tautwire[{extra}]'"
+    )
+
+
 class TautwireError(Exception):
     """Base of all errors raised by tautwire on purpose."""
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 import pytest
 
 import tautwire as tw
-from tautwire.report.plots import RunPlots
+from tautwire.report.pages.notebook import RunPlots
 from tautwire.text import Told
 
 from .synthetic import make_case, make_elasticity, make_equilibrium, make_run

@@ -107,6 +107,7 @@ def test_size_is_known_before() -> None:
     assert size(case).dof == 6 * build(case).mesh.node_count
     assert size(case).steps == 1744
     assert size(case).cpu_s() > 0.0
+    assert size(case).cpu_s(is_compiled=False) > 10.0 * size(case).cpu_s()
 
 
 def test_contact_resonance() -> None:

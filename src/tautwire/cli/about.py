@@ -35,11 +35,13 @@ def program(choice: Literal["auto", "native", "reference"] = "auto") -> str:
     return f"tautwire {__version__}, backend {backend(choice)}"
 
 
-def computation(amount: Size) -> str:
-    """Return how large a computation is, and about how long it takes."""
+def computation(amount: Size, choice: Literal["auto", "native", "reference"]) -> str:
+    """Return how large a computation is, and about how long it takes with the backend chosen."""
+    is_compiled = choice != "reference" and backend().startswith("native")
     return (
         f"{amount.dof} degrees of freedom, {amount.steps} steps per passage, about "
-        f"{duration(amount.cpu_s())} of CPU time each with the compiled core"
+        f"{duration(amount.cpu_s(is_compiled=is_compiled))} of CPU time each with "
+        f"{'the compiled core' if is_compiled else 'NumPy'}"
     )
 
 

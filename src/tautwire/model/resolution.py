@@ -17,9 +17,12 @@ from tautwire.specs.settings import STEPS_PER_PERIOD
 _ROUNDING = 1e-6
 """Share by which a frequency may be missed that is carried: places are kept to a nanometre."""
 
-_SECONDS_PER_DOF_STEP = 2e-8
-"""CPU time of the compiled core [s]: 8 to 40 ns were measured on a machine in use, more on larger
-lines, and 20 ns on the reference line."""
+_COMPILED = 2e-8
+"""CPU time per degree of freedom and step with the compiled core [s]: 8 to 40 ns were measured on a
+machine in use, more on larger lines, and 20 ns on the reference line."""
+_NUMPY = 9e-7
+"""The same with NumPy [s]: 0.86 us were measured on the reference line, 0.6 to 1 us before on nine
+nodes between droppers."""
 
 
 @dataclass(frozen=True)
@@ -107,9 +110,9 @@ class Size(Plain):
     dof: int
     steps: int
 
-    def cpu_s(self) -> float:
-        """Return about how long one passage takes with the compiled core [s]."""
-        return self.dof * self.steps * _SECONDS_PER_DOF_STEP
+    def cpu_s(self, *, is_compiled: bool = True) -> float:
+        """Return about how long one passage takes, with the compiled core or with NumPy [s]."""
+        return self.dof * self.steps * (_COMPILED if is_compiled else _NUMPY)
 
 
 def size(case: Case) -> Size:

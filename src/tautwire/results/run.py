@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, not_installed
 from tautwire.results.accessors import made
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
@@ -19,7 +19,6 @@ from tautwire.text import Told
 Array = NDArray[np.float64]
 
 _HISTORIES = {"position": "m", "contact_force": "N", "gap": "m", "wire_height": "m"}
-_MISSING = "{} is not installed; install it with: pip install 'tautwire[data]'"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +174,7 @@ class Run(Told):
 
     @property
     def plot(self) -> Any:
-        """Figures of the report, as :class:`tautwire.report.plots.RunPlots`."""
+        """Figures of the report, as :class:`tautwire.report.pages.notebook.RunPlots`."""
         return made("plot", self)
 
     def facts(self) -> dict[str, str]:
@@ -204,7 +203,7 @@ class Run(Told):
         try:
             import xarray
         except ImportError:
-            raise InputError(_MISSING.format("xarray")) from None
+            raise not_installed("xarray", "data") from None
         both = ("time", "pantograph")
         histories: dict[str, tuple[tuple[str, str], NDArray[Any], str]] = {
             name: (both, np.column_stack([getattr(p, name) for p in self.pantographs]), unit)
@@ -238,7 +237,7 @@ class Run(Told):
         try:
             import pandas as pd
         except ImportError:
-            raise InputError(_MISSING.format("pandas")) from None
+            raise not_installed("pandas", "data") from None
         columns = {
             (record.name, f"{name} [{unit}]"): np.where(
                 record.active, getattr(record, name), np.nan

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.errors import InputError
+from tautwire.errors import InputError, not_installed
 from tautwire.plain import Plain
 from tautwire.specs.study import Study
 from tautwire.studies import columns
@@ -224,9 +224,7 @@ class StudyTable:
         try:
             import xarray
         except ImportError:
-            raise InputError(
-                "xarray is not installed; install it with: pip install 'tautwire[data]'"
-            ) from None
+            raise not_installed("xarray", "data") from None
         variables = {
             name: (item.dimensions, item.values, _attributes(item.quantity))
             for name, item in [*self.variables.items(), *self._texts().items()]

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tautwire.analyses.road.bar import ProgressBar
 from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.mean_force import tune_mean_force
+from tautwire.analyses.road.progress_bar import progress_bar
 from tautwire.analyses.road.shape import find_shape
 from tautwire.analyses.road.validity import judged
 from tautwire.inputs.load import load_case, make_case
@@ -60,8 +60,8 @@ def run(
         chosen = load_case(case, changes)
     if watch is not None or not progress:
         return run_case(chosen, backend=backend, watch=watch)
-    with ProgressBar() as bar:
-        return run_case(chosen, backend=backend, watch=bar)
+    with progress_bar() as show:
+        return run_case(chosen, backend=backend, watch=show)
 
 
 def run_case(

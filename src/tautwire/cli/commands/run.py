@@ -75,7 +75,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         advice = [*preflight(case), *implausible_inputs(case)]
         refuse_hopeless(advice)
         answer.advise(advice)
-        answer.say(computation(size(case)))
+        answer.say(computation(size(case), case.settings.backend))
         with interrupts.handled():
             run = _passage(answer, case, interrupts)
             with interrupts.patient():

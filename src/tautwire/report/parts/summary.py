@@ -250,8 +250,8 @@ def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
             if outside
             else "As remembered, every value lies within."
         )
-    known = dict.fromkeys(f"{check.name}: {check.explanation}." for check in every
-                          if check.explanation)  # fmt: skip
+    known = dict.fromkeys(f"{check.name[:1].upper()}{check.name[1:]}: {check.explanation}."
+                          for check in every if check.explanation)  # fmt: skip
     return " ".join([*parts, *known]) or "Every value lies within its limit."
 
 

@@ -171,7 +171,7 @@ QUICK = Scope(
     9,
     (UNCALIBRATED, Reading("plane", 500)),
     ("hinged", "plane"),
-    ("damping-0", "half-step"),
+    (),
     ((UNCALIBRATED, ROUGH),),
     (2021, 2022, 2023),
 )

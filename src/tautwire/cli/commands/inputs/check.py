@@ -95,7 +95,7 @@ def _summary(case: Case) -> Any:
             ("pantographs", ", ".join(entry.name for entry in case.pantographs)),
             ("uplift force", forces if target is None
              else f"tuned to a mean of {target:.2f} N, first guess {forces}"),
-            ("computation", computation(amount)),
+            ("computation", computation(amount, case.settings.backend)),
         ]
     )  # fmt: skip
 

@@ -60,11 +60,11 @@ WAVES = "+waves"
 _VARIABLE = {"method": "variable", "gap_tolerance": "0.1 mm"}
 
 STEPS: Mapping[str, Mapping[str, Any]] = {
+    FINEST: {"settings.time_step": "0.05 ms"},
     COARSE: {},
     VARIABLE: {"settings.step_control": _VARIABLE},
     FINE: {"settings.time_step": "0.2 ms"},
     ADAPTIVE: {"settings.step_control": "adaptive"},
-    FINEST: {"settings.time_step": "0.05 ms"},
     COARSE + WAVES: {"settings.step_control": {"corrects_waves": True}},
     VARIABLE + WAVES: {"settings.step_control": {**_VARIABLE, "corrects_waves": True}},
     FINE + WAVES: {
@@ -72,7 +72,8 @@ STEPS: Mapping[str, Mapping[str, Any]] = {
         "settings.step_control": {"corrects_waves": True},
     },
 }
-"""Ways to step by name: values that differ from a constant step of 1 ms. The adaptive step corrects
+"""Ways to step by name, the longest computation first, for which no core should wait at the end:
+values that differ from a constant step of 1 ms. The adaptive step corrects
 wave speeds always; for 0.05 ms there is nothing to correct."""
 
 
