@@ -30,6 +30,7 @@ _PANEL = 25.0
 at most even on a radius of 100 m, for which the rule is exact to rounding."""
 _POINTS = 8
 """Points of the rule per stretch: its error there is below 1e-15 of the length."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_POINTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,7 @@ class Track:
         piece, u = self._piece(s, self.s)
         slope, rate = self._slope(piece, u), self._slope_rate(piece, u)
         cosine = np.sqrt(1.0 - slope**2)
-        turning = _between(self.curvature[piece], u / np.diff(self.s)[piece])
+        turning = _between(self.curvature[piece], u / self._lengths[piece])
         return (turning * cosine)[..., None] * n0 + (rate / cosine)[..., None] * b0
 
     def rise_curvature(self, s: ArrayLike) -> Array:
@@ -162,8 +163,7 @@ class Track:
 
         Without the 1 nothing is left of a straight track, not even rounding.
         """
-        nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
-        at = 0.5 * u[..., None] * (1.0 + nodes)
+        at = 0.5 * u[..., None] * (1.0 + _NODES)
         s = self._panels[panel][..., None] + at
         piece = self._piece_of_panel[panel][..., None]
         way = s - self.s[piece]
@@ -171,11 +171,11 @@ class Track:
         cosine = np.sqrt(1.0 - slope**2)
         lost = -(slope**2) / (1.0 + cosine) * np.cos(psi) - 2.0 * np.sin(0.5 * psi) ** 2
         rates = np.stack([lost, cosine * np.sin(psi)], axis=-1)
-        return 0.5 * u[..., None] * np.einsum("...pi,p->...i", rates, weights)
+        return 0.5 * u[..., None] * np.einsum("...pi,p->...i", rates, _WEIGHTS)
 
     def _heading_at(self, piece: Index, u: Array) -> Array:
         first, last = self.curvature[piece, 0], self.curvature[piece, 1]
-        share = 0.5 * u / np.diff(self.s)[piece]
+        share = 0.5 * u / self._lengths[piece]
         return self._headings[piece] + u * (first + share * (last - first))
 
     def _slope(self, piece: Index, u: Array) -> Array:
@@ -188,7 +188,7 @@ class Track:
 
     def _cant(self, s: Array) -> Array:
         piece, u = self._piece(s, self.s)
-        return _between(self.cant[piece], u / np.diff(self.s)[piece])
+        return _between(self.cant[piece], u / self._lengths[piece])
 
     @staticmethod
     def _piece(s: Array, ends: Array) -> tuple[Index, Array]:
@@ -197,13 +197,18 @@ class Track:
         return piece, s - ends[piece]
 
     @cached_property
+    def _lengths(self) -> Array:
+        """Lengths of the pieces, ``(n,)`` [m]."""
+        return np.diff(self.s)
+
+    @cached_property
     def _headings(self) -> Array:
         """Heading at the beginning of every piece, ``(n,)`` [rad]."""
-        turned = np.cumsum(self.curvature.mean(axis=1) * np.diff(self.s))
+        turned = np.cumsum(self.curvature.mean(axis=1) * self._lengths)
         begin = np.concatenate([[0.0], turned[:-1]])
         piece, u = self._piece(np.array(0.0), self.s)
         first, last = self.curvature[piece]
-        there = begin[piece] + u * (first + 0.5 * u / np.diff(self.s)[piece] * (last - first))
+        there = begin[piece] + u * (first + 0.5 * u / self._lengths[piece] * (last - first))
         return begin - there + self.heading
 
     @cached_property
