@@ -36,11 +36,11 @@ def traces(figure: Any) -> dict[str, Any]:
 
 
 def test_mode_shape(waves: Modes) -> None:
-    """Both wires are drawn one above the other, the larger scaled to 1."""
-    drawn = traces(mode_figures.mode_figure(waves, 0, np.array([0.0, 55.0, 110.0])))
-    assert set(drawn) == {"contact wire", "messenger wire"}
-    assert np.abs(drawn["contact wire"].y).max() == pytest.approx(1.0)
-    assert np.allclose(drawn["messenger wire"].y, 2.4)
+    """All wires are drawn one above the other, the larger scaled to 1."""
+    drawn = traces(mode_figures.mode_figure(waves, 0, np.array([0.0, 55.0, 110.0]), "123"))
+    assert set(drawn) == {"contact", "messenger"}
+    assert np.abs(drawn["contact"].y).max() == pytest.approx(1.0)
+    assert np.allclose(drawn["messenger"].y, 2.4)
 
 
 def test_mode_spectrum_peaks_at_its_wavelength(waves: Modes) -> None:

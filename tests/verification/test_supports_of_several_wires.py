@@ -9,7 +9,9 @@ import pytest
 
 import tautwire as tw
 from tautwire.analyses.force.contact_loss import nearest_place
+from tautwire.report.figures.line_figures import line_figure
 from tautwire.report.pages.run_page import write_report
+from tautwire.report.parts.views import prepare
 
 COARSE = {
     "scenario.speed": "150 km/h",
@@ -65,3 +67,23 @@ def test_report_and_file_count_supports_once(run: tw.Run, tmp_path: Path) -> Non
     assert np.array_equal(again.equilibrium.support_number, run.equilibrium.support_number)
     assert again.to_xarray().sizes["support"] == run.equilibrium.support_x.size
     assert write_report(run, tmp_path / "report.html").stat().st_size > 1e6
+
+
+def test_every_wire_is_drawn(run: tw.Run) -> None:
+    """The figure of the line has every wire in side view and plan, and the sag of contact wires."""
+    view = prepare(run, "line")
+    drawn = [trace.name for trace in line_figure(view).data]
+    for name, role in zip(run.equilibrium.wire_names, run.equilibrium.wire_roles, strict=True):
+        assert drawn.count(name) == (3 if role == "contact" else 2)
+
+
+def test_stagger_is_that_of_the_lowest_wire(run: tw.Run) -> None:
+    """Where a head runs, the stagger is that of the wire it touches first."""
+    shape = run.equilibrium
+    s = np.linspace(shape.mast_x[1], shape.mast_x[-2], 200)
+    low = shape.running_height(s)
+    sides = shape.running_stagger(s)
+    for wire in shape.of_role("contact"):
+        x, y, z = wire.position.T
+        lowest = np.interp(s, x, z, left=np.inf, right=np.inf) == low
+        assert sides[lowest] == pytest.approx(np.interp(s[lowest], x, y))

@@ -73,11 +73,11 @@ def compare_geometry(
             f"of the model, the line {supports[0]:.1f} m to {supports[-1]:.1f} m: nothing in "
             "common; give the offset of the measurement's zero"
         )
-    wire = run.equilibrium.contact_position
+    shape = run.equilibrium
     sides = 1.0 if place[-1] >= place[0] else -1.0  # left of the train to left of the model
     measured: list[tuple[str, Array | None, Callable[[Array], Array]]] = [
-        ("height", recording.height, run.equilibrium.running_height),
-        ("stagger", recording.stagger, lambda s: sides * np.interp(s, wire[:, 0], wire[:, 1])),
+        ("height", recording.height, shape.running_height),
+        ("stagger", recording.stagger, lambda s: sides * shape.running_stagger(s)),
     ]
     rows = []
     for quantity, values, model in measured:

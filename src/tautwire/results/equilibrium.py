@@ -293,6 +293,14 @@ class Equilibrium(Told):
         ]
         return np.min(heights, axis=0)
 
+    def running_stagger(self, s: Array) -> Array:
+        """Return the lateral position of the lowest contact wire at some places, as ``s`` [m]."""
+        wires = [wire.position for wire in self.of_role("contact")]
+        heights = [np.interp(s, r[:, 0], r[:, 2], left=np.inf, right=np.inf) for r in wires]
+        sides = np.array([np.interp(s, r[:, 0], r[:, 1]) for r in wires])
+        lowest = np.argmin(heights, axis=0)
+        return np.asarray(np.take_along_axis(sides, lowest[None], axis=0)[0])
+
     @cached_property
     def mast_x(self) -> Array:
         """Places of the supports by number, each once however many wires it holds [m].

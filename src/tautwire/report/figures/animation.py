@@ -61,6 +61,7 @@ def film(view: RunView, budget: Budget) -> dict[str, Any]:
     return {
         "title": view.label,
         "supports": shape.mast_x.tolist(),
+        "marks": run.case.line.support_marks(),
         "droppers": packing.floats(shape.dropper_x),
         "dropperWires": shape.dropper_wires.ravel().tolist(),
         "slack": packing.counts(_slack(run, shots.time)),

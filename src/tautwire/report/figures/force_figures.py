@@ -159,7 +159,7 @@ def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) ->
         x0=section[0], x1=section[1], fillcolor=style.SECTION, line_width=0, layer="below"
     )
     figure.update_layout(
-        xaxis9=style.support_axis(shape.mast_x.tolist()),
+        xaxis9=style.support_axis(shape.mast_x.tolist(), run.case.line.support_marks()),
         yaxis9={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True},
     )
 

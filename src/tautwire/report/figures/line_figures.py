@@ -12,7 +12,7 @@ from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.views import RunView
-from tautwire.results.equilibrium import Elasticity, Equilibrium
+from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
 from tautwire.results.run import Run
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def line_figure(view: RunView) -> go.Figure:
     figure = make_subplots(
         rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
     )
-    shape = view.run.equilibrium
+    shape, marks = view.run.equilibrium, view.run.case.line.support_marks()
     _add_side_view(figure, shape)
     _add_sag(figure, shape)
     _add_plan(figure, shape)
@@ -38,7 +38,7 @@ def line_figure(view: RunView) -> go.Figure:
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
     figure.update_xaxes(
-        ticktext=[f"{n}<br>{p:g} m" for n, p in enumerate(shape.mast_x.round(2), 1)],
+        ticktext=[f"{n}<br>{p:g} m" for n, p in zip(marks, shape.mast_x.round(2), strict=True)],
         showticklabels=True,
         title={"text": "support and position along the track", "standoff": 14},
         row=3,
@@ -59,13 +59,12 @@ def _opening(view: RunView) -> list[float]:
 
 
 def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
-    contact, messenger = shape.contact_position, shape.messenger_position
-    top = np.interp(shape.dropper_x, messenger[:, 0], messenger[:, 2])
+    top = _dropper_tops(shape)
     _add_segments(
         figure, (shape.dropper_x, top), (shape.dropper_x, shape.dropper_heights), "droppers", 1
     )
-    for name, wire, line in _wires(contact, messenger):
-        _add_wire(figure, wire[:, 0], wire[:, 2], name, line, row=1, text="%{y:.4f} m")
+    for wire, line in _looks(shape):
+        _add_wire(figure, wire, wire.position[:, 2], line, row=1, text="%{y:.4f} m")
     numbers = np.column_stack(
         [
             shape.dropper_span,
@@ -90,25 +89,39 @@ def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
     )
 
 
-def _wires(contact: Array, messenger: Array) -> tuple[tuple[str, Array, dict[str, Any]], ...]:
-    return (
-        ("messenger wire", messenger, {"color": MESSENGER, "width": 1.8, "dash": "dash"}),
-        ("contact wire", contact, {"color": style.COLOURS[0], "width": 2.4}),
-    )
+def _dropper_tops(shape: Equilibrium) -> Array:
+    """Return the height of the upper end of every dropper, on the wire that carries it [m]."""
+    tops = np.empty(shape.dropper_x.size)
+    for number, wire in enumerate(shape.wires):
+        own = shape.dropper_wires[:, 0] == number
+        tops[own] = np.interp(shape.dropper_x[own], wire.position[:, 0], wire.position[:, 2])
+    return tops
+
+
+def _looks(shape: Equilibrium) -> list[tuple[WireShape, dict[str, Any]]]:
+    """Return every wire with its line: contact wires last, in colours, the others dashed."""
+    contacts = shape.of_role("contact")
+    others = [wire for wire in shape.wires if wire not in contacts]
+    carrying = [
+        (wire, {"color": MESSENGER, "width": 1.8, "dash": style.DASHES[1 + number % 5]})
+        for number, wire in enumerate(others)
+    ]
+    run = [(wire, {"color": style.look(n).colour, "width": 2.4}) for n, wire in enumerate(contacts)]
+    return carrying + run
 
 
 def _add_wire(
-    figure: go.Figure, x: Array, y: Array, name: str, line: dict[str, Any], row: int, text: str
+    figure: go.Figure, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
     figure.add_scatter(
-        x=x.astype(np.float32),
+        x=wire.position[:, 0].astype(np.float32),
         y=y.astype(np.float32),
         mode="lines",
-        name=name,
+        name=wire.name,
         line=line,
-        legendgroup=name,
+        legendgroup=wire.name,
         showlegend=row == 1,
-        hovertemplate=f"{name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
+        hovertemplate=f"{wire.name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
         row=row,
         col=1,
     )
@@ -139,28 +152,31 @@ def _add_segments(
 
 
 def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
-    wire = shape.contact_position
-    first = shape.wires.index(shape.contact)
-    sag = 1e3 * (shape.support_line(first, wire[:, 0]) - wire[:, 2])
-    name, _, line = _wires(wire, wire)[1]
-    _add_wire(figure, wire[:, 0], sag, name, line, row=2, text="%{y:.2f} mm below the supports")
-    own = shape.dropper_wires[:, 1] == first
-    place, height = shape.dropper_x[own], shape.dropper_heights[own]
-    figure.add_scatter(
-        x=place.astype(np.float32),
-        y=(1e3 * (shape.support_line(first, place) - height)).astype(np.float32),
-        mode="markers",
-        marker={"size": 6, "color": "#fff", "line": {"color": style.COLOURS[0], "width": 1.5}},
-        name="at droppers",
-        hovertemplate="%{y:.2f} mm<extra>pre-sag at dropper</extra>",
-        row=2,
-        col=1,
-    )
+    for wire, line in _looks(shape):
+        if wire.role != "contact":
+            continue
+        number, (x, _, z) = shape.wire_names.index(wire.name), wire.position.T
+        sag = 1e3 * (shape.support_line(number, x) - z)
+        _add_wire(figure, wire, sag, line, row=2, text="%{y:.2f} mm below the supports")
+        own = shape.dropper_wires[:, 1] == number
+        place, height = shape.dropper_x[own], shape.dropper_heights[own]
+        figure.add_scatter(
+            x=place.astype(np.float32),
+            y=(1e3 * (shape.support_line(number, place) - height)).astype(np.float32),
+            mode="markers",
+            marker={"size": 6, "color": "#fff", "line": {"color": line["color"], "width": 1.5}},
+            name="at droppers",
+            legendgroup="at droppers",
+            showlegend=wire is shape.contact,
+            hovertemplate="%{y:.2f} mm<extra>pre-sag at dropper</extra>",
+            row=2,
+            col=1,
+        )
 
 
 def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
-    for name, wire, line in _wires(shape.contact_position, shape.messenger_position):
-        _add_wire(figure, wire[:, 0], 1e3 * wire[:, 1], name, line, row=3, text="y = %{y:.1f} mm")
+    for wire, line in _looks(shape):
+        _add_wire(figure, wire, 1e3 * wire.position[:, 1], line, row=3, text="y = %{y:.1f} mm")
     if shape.arm_supports.size:
         rows = shape.arm_supports - 1
         foot_x = shape.support_x[rows]
@@ -194,8 +210,14 @@ def uplift_figure(views: Sequence[RunView]) -> go.Figure:
             | {"opacity": np.where(np.isin(supports, inside.supports), 1.0, 0.35)},
             hovertemplate="support %{x}: %{y:.1f} mm",
         )
+    marks, every = views[0].run.case.line.support_marks(), _every(views[0])
     figure.update_layout(
-        xaxis=style.axis("support", showgrid=False, dtick=_every(views[0])),
+        xaxis=style.axis(
+            "support",
+            showgrid=False,
+            tickvals=list(range(1, len(marks) + 1, every)),
+            ticktext=marks[::every],
+        ),
         yaxis=style.axis("largest uplift [mm]", rangemode="tozero"),
     )
     return style.fit_legend(figure, 380)
@@ -310,7 +332,7 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
     x = {"gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=list(first.section)))
     figure.update_xaxes(
-        ticktext=[str(n) for n in range(1, shape.mast_x.size + 1)],
+        ticktext=first.run.case.line.support_marks(),
         showticklabels=True,
         title={"text": "support", "standoff": 6},
         row=2,
@@ -413,7 +435,7 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
         xaxis=style.axis(
             "support",
             tickvals=inside,
-            ticktext=[str(n) for n in range(1, inside.size + 1)],
+            ticktext=run.case.line.support_marks(),
             gridcolor=style.SUPPORT,
         ),
         yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),

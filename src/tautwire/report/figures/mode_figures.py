@@ -25,7 +25,7 @@ MAP_POINTS = 400
 """Most points of a map along one axis."""
 
 
-def mode_figure(modes: Modes, number: int, support_x: Array) -> go.Figure:
+def mode_figure(modes: Modes, number: int, support_x: Array, marks: Sequence[str]) -> go.Figure:
     """Draw the vertical shape of all wires in one mode, scaled to a largest value of 1.
 
     Parameters
@@ -34,16 +34,17 @@ def mode_figure(modes: Modes, number: int, support_x: Array) -> go.Figure:
     number
         0-based.
     support_x : (n_support,) m
+    marks
+        What stands at each support.
     """
     import plotly.graph_objects as go
 
     figure = go.Figure(layout=style.layout(360, top=76))
-    contact = modes.contact_z[number]
-    others = [(f"{w.name} wire", w.s, w.displacements[number, :, 2]) for w in modes.wires[1:]]
-    curves = [("contact wire", modes.x, contact), *others]
+    curves = [(wire.name, wire.s, wire.displacements[number, :, 2]) for wire in modes.wires]
+    apart = 2.4  # shapes from -1 to 1, with room between neighbours
     largest = max(1e-300, *(float(np.abs(z).max()) for _, _, z in curves))
     for at, (name, x, z) in enumerate(curves):
-        kept, offset = thinned(z), 2.4 * at
+        kept, offset = thinned(z), apart * at
         look = style.look(at)
         figure.add_scatter(
             x=x[kept].astype(np.float32),
@@ -55,11 +56,11 @@ def mode_figure(modes: Modes, number: int, support_x: Array) -> go.Figure:
         )
     figure.update_layout(
         xaxis=style.axis("position along the track [m]", showgrid=False),
-        xaxis9=style.support_axis(support_x.tolist()),
+        xaxis9=style.support_axis(support_x.tolist(), marks),
         yaxis=style.axis(
             "vertical mode shape [1]",
-            tickvals=[-1, 0, 1, 1.4, 2.4, 3.4],
-            ticktext=["−1", "0", "1", "−1", "0", "1"],
+            tickvals=[apart * at + z for at in range(len(curves)) for z in (-1, 0, 1)],
+            ticktext=["−1", "0", "1"] * len(curves),
         ),
     )
     ends = [float(support_x[0]), float(support_x[-1])]

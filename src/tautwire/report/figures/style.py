@@ -103,8 +103,8 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
     } | more
 
 
-def support_axis(positions: Sequence[float], **more: Any) -> dict[str, Any]:
-    """Return the upper axis that numbers the supports and draws a line at each of them."""
+def support_axis(positions: Sequence[float], marks: Sequence[str], **more: Any) -> dict[str, Any]:
+    """Return the upper axis that names the supports and draws a line at each of them."""
     return {
         "overlaying": "x",
         "matches": "x",
@@ -112,7 +112,7 @@ def support_axis(positions: Sequence[float], **more: Any) -> dict[str, Any]:
         "title": {"text": "support", "standoff": 4, "font": {"size": 12}},
         "tickmode": "array",
         "tickvals": list(positions),
-        "ticktext": [str(n) for n in range(1, len(positions) + 1)],
+        "ticktext": list(marks),
         "tickfont": {"size": 11, "color": SOFT},
         "ticks": "outside",
         "ticklen": 3,

@@ -51,7 +51,7 @@ def write_modes_report(
     lengths = line_lengths(case)
     contents = [
         _summary(found, lengths),
-        _shapes(found, shape, lengths),
+        _shapes(found, case, shape, lengths),
         _presag(case, shape, lengths),
     ]
     return write_text(path, render(contents, _masthead(case, found)))
@@ -103,9 +103,9 @@ def _summary(found: Modes, lengths: LineLengths) -> Section:
     return Section("summary", "Modes", (table, checks, Text(f"Lengths of the line: {named}.")))
 
 
-def _shapes(found: Modes, shape: Equilibrium, lengths: LineLengths) -> Section:
+def _shapes(found: Modes, case: Case, shape: Equilibrium, lengths: LineLengths) -> Section:
     blocks: list[object] = []
-    named = lengths.named(elements=False)
+    named, marks = lengths.named(elements=False), case.line.support_marks()
     for i in found.ranked()[:MOST_SHAPES].tolist():
         title = f"{found.frequencies[i]:.3f} Hz"
         spectrum = mode_spectrum_figure(found, i, named)
@@ -113,8 +113,8 @@ def _shapes(found: Modes, shape: Equilibrium, lengths: LineLengths) -> Section:
             Heading(f"{title}, sensitive to {found.wavelengths[i]:.3f} m"),
             chart(
                 f"mode-{i}",
-                mode_figure(found, i, shape.mast_x),
-                f"Vertical mode shape of both wires at {title}.",
+                mode_figure(found, i, shape.mast_x, marks),
+                f"Vertical mode shape of all wires at {title}.",
                 "Curves of the mode shape over the line.",
             ),
             chart(

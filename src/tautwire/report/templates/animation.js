@@ -147,7 +147,7 @@
       if (x < view.start - 1 || x > view.end + 1) return;
       const px = view.x(x);
       line([[px, TOP], [px, view.bottom]], FAINT, 5);
-      label(`support ${i + 1}`, px, TOP - 9);
+      label(`support ${state.film.marks[i]}`, px, TOP - 9);
     });
   };
   const drawDroppers = (view, wires) => {

@@ -218,6 +218,10 @@ class Line(Spec):
             s[span + 1] + way - gap if way > gap else s[span] + way / gap * (s[span + 1] - s[span])
         )
 
+    def support_marks(self) -> tuple[str, ...]:
+        """Return what stands at each support in a drawing: its mast, or else its number from 1."""
+        return self.masts or tuple(str(number) for number in range(1, self.spans + 2))
+
     def place_of_support(self, index: int) -> str:
         """Name a support by its mast and chainage, as in "mast 4/12, km 12.624"; or nothing."""
         parts = []
