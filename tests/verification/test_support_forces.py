@@ -18,7 +18,7 @@ from tautwire.inputs.load import make_case
 from tautwire.model.build import build
 from tautwire.specs.case import Case
 
-from .test_conditions import D, T, at, bare, catenary
+from .test_conditions import EA, D, G, M, T, at, bare, catenary
 
 WIND = {"speed": 15.0, "from": "right"}
 ENDS = {"left": "anchored", "right": "weighted"}
@@ -31,10 +31,15 @@ def masts(case: Case) -> Masts:
     return masts_of(model, compare_conditions(model, find_design(model), with_elasticity=False))
 
 
-def test_forces_balance_weight_and_wind() -> None:
+@pytest.mark.parametrize("motion", ["swinging", "vertical"])
+def test_forces_balance_weight_and_wind(motion: str) -> None:
     """In every state the forces on supports sum to the weight of the line, upwards negative, and
     to the wind on wires and droppers; along the track nothing is left over."""
-    case = catenary(at(40.0, wind=WIND), {"name": "iced", "ice": {"mass": "0.5 kg/m"}})
+    case = catenary(
+        at(40.0, wind=WIND),
+        {"name": "iced", "ice": {"mass": "0.5 kg/m"}},
+        supports__arm={"motion": motion},
+    )
     model = build(case)
     design = find_design(model)
     for name in (None, *(one.name for one in case.conditions)):
@@ -68,7 +73,8 @@ def test_lateral_force_of_stagger_and_wind() -> None:
     """A single wire in zigzag pulls a support with ``4 T b / L`` towards the middle, and the wind
     adds ``q L``, within 0.05 %."""
     case = bare({"name": "windy", "wind": WIND}, spans=3, stagger=0.2, ends=ENDS)
-    still, windy = on_fine_mesh(case)[0], on_fine_mesh(case, "windy")[0]
+    (still, weight), windy = on_fine_mesh(case), on_fine_mesh(case, "windy")[0]
+    assert weight == pytest.approx(-M * G * 60.0 / (1.0 + T / EA), rel=1e-4)
     assert still == pytest.approx(4.0 * T * 0.2 / 60.0, rel=5e-4)
     assert windy - still == pytest.approx(PRESSURE * D * 60.0, rel=5e-4)
 

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.defects import placed
 from tautwire.line.pieces import At, Registration, Suspension
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
+from tautwire.model.registrations import registrations_at_rest
 from tautwire.numerics.network.parts import Grounds, Stays
 from tautwire.numerics.network.system import internal_force
 from tautwire.plain import Plain, named
@@ -72,7 +74,8 @@ def support_forces(model: Model, shape: Equilibrium) -> tuple[SupportForce, ...]
     """Return the forces of a line on its supports, from left to right.
 
     The force on a support is what loads and wires leave unbalanced at the node that it holds,
-    ``load - Q``, with Q of the wires and droppers alone. Weight of wires, droppers, clamps and
+    ``load - Q``, with Q of the wires and droppers alone and without the constant forces that
+    stand for supports (preloads, arms that act as springs). Weight of wires, droppers, clamps and
     steady arms, ice, and wind on wires and droppers are in it; weight of cantilevers and wind on
     them and on steady arms are not.
 
@@ -128,7 +131,8 @@ def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Arr
     """Return the forces on what holds nodes: along, level to the left, upwards, ``(n, 3)`` [N]."""
     system = equations(model, shape)
     bare = system.with_(stays=Stays.none(), grounds=Grounds.none())
-    force = (system.load - internal_force(bare, system.position).nodal).reshape(-1, 6)[nodes, :3]
+    left = (system.load - internal_force(bare, system.position).nodal).reshape(-1, 6)[:, :3]
+    force = (left - _constant_forces(model, shape))[nodes]
     t = model.mesh.frames.axes[nodes, 0]
     level = np.stack([-t[:, 1], t[:, 0], np.zeros(len(t))], axis=1)
     level /= np.linalg.norm(level, axis=1, keepdims=True)
@@ -136,6 +140,21 @@ def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Arr
     return np.stack(
         [np.sum(force * ahead, axis=1), np.sum(force * level, axis=1), force[:, 2]], axis=1
     )
+
+
+def _constant_forces(model: Model, shape: Equilibrium) -> Array:
+    """Return the constant forces of registrations on the wires, ``(n_node, 3)`` [N].
+
+    The share of the arm's weight that rests on a wire is none of them.
+    """
+    operated, gravity = shape.operated, model.case.line.gravity
+    design = shape if operated is None else operated.design
+    broken = () if operated is None else placed(model.line, operated.condition).arms
+    total = np.zeros((model.mesh.node_count, 3))
+    for group, rest in registrations_at_rest(model.line, model.mesh, design, gravity, broken):
+        total[group.nodes] += rest.load
+        total[group.nodes, 2] += 0.5 * group.kind.carried_weight(gravity)
+    return total
 
 
 def _places(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Array:
