@@ -71,10 +71,11 @@ def on_fine_mesh(case: Case, name: str | None = None) -> tuple[float, float]:
 
 def test_lateral_force_of_stagger_and_wind() -> None:
     """A single wire in zigzag pulls a support with ``4 T b / L`` towards the middle, and the wind
-    adds ``q L``, within 0.05 %."""
+    adds ``q L``, within 0.05 %; what it carries is the weight of a span, longer by 0.01 % for its
+    sag and zigzag."""
     case = bare({"name": "windy", "wind": WIND}, spans=3, stagger=0.2, ends=ENDS)
     (still, weight), windy = on_fine_mesh(case), on_fine_mesh(case, "windy")[0]
-    assert weight == pytest.approx(-M * G * 60.0 / (1.0 + T / EA), rel=1e-4)
+    assert weight == pytest.approx(-M * G * 60.0 / (1.0 + T / EA), rel=2e-4)
     assert still == pytest.approx(4.0 * T * 0.2 / 60.0, rel=5e-4)
     assert windy - still == pytest.approx(PRESSURE * D * 60.0, rel=5e-4)
 
