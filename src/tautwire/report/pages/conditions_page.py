@@ -9,7 +9,8 @@ from typing import Any
 
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
-from tautwire.report.pages.run_page import render
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
 from tautwire.report.parts.sections import chart
@@ -52,6 +53,7 @@ def _masthead(case: Case, states: Sequence[ConditionState]) -> dict[str, Any]:
             "Conditions": str(len(states) - 1),
             "Mesh": case.settings.mesh(),
         },
+        "project": project_block(case.project),
         "version": __version__,
         "case_hash": case.hash()[:12],
     }

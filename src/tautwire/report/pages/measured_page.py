@@ -9,7 +9,7 @@ from typing import Any
 from tautwire.files import write_text
 from tautwire.measured.evaluation import Evaluation
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
-from tautwire.report.pages.run_page import render
+from tautwire.report.writers.html import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.recordings.measured import (
     COUNTED,

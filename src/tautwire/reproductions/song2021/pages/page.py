@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tautwire.report.pages.run_page import render
+from tautwire.report.writers.html import render
 from tautwire.report.parts.blocks import (
     Callout,
     Cell,

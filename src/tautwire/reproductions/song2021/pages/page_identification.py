@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tautwire.files import write_text
-from tautwire.report.pages.run_page import render
+from tautwire.report.writers.html import render
 from tautwire.report.parts.blocks import Section, Table, Text
 from tautwire.report.parts.words import number
 from tautwire.reproductions.song2021 import published
