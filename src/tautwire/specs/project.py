@@ -63,7 +63,7 @@ def _kind_of(content: bytes) -> str | None:
     if content.startswith(b"\xff\xd8\xff"):
         return "jpeg" if b"\xff\xd9" in content[-64:] else None
     try:
-        root = ET.fromstring(content)  # noqa: S314 - expat limits what entities expand to
+        root = ET.fromstring(content)
     except (ET.ParseError, ValueError, LookupError):
         return None
     return "svg+xml" if root.tag == "{http://www.w3.org/2000/svg}svg" else None
@@ -78,13 +78,25 @@ class Project(Spec):
 
     model_config = ConfigDict(coerce_numbers_to_str=True)
 
-    client: Annotated[Line, Typical("Valley Railway")] = Field(default="", description="For whom the work is done.")
-    project: Annotated[Line, Typical("Renewal of the Valley line")] = Field(default="", description="Name or number of the project.")
-    revision: Annotated[Line, Typical("B")] = Field(default="", description="Revision of the document.")
+    client: Annotated[Line, Typical("Valley Railway")] = Field(
+        default="", description="For whom the work is done."
+    )
+    project: Annotated[Line, Typical("Renewal of the Valley line")] = Field(
+        default="", description="Name or number of the project."
+    )
+    revision: Annotated[Line, Typical("B")] = Field(
+        default="", description="Revision of the document."
+    )
     author: Annotated[Line, Typical("A. Author")] = Field(default="", description="Who made it.")
-    checked: Annotated[Line, Typical("B. Checker")] = Field(default="", description="Who checked it, and when.")
-    approved: Annotated[Line, Typical("C. Approver")] = Field(default="", description="Who approved it, and when.")
-    date: Annotated[Line, Typical("2026-05-04")] = Field(default="", description="Date of the document.")
+    checked: Annotated[Line, Typical("B. Checker")] = Field(
+        default="", description="Who checked it, and when."
+    )
+    approved: Annotated[Line, Typical("C. Approver")] = Field(
+        default="", description="Who approved it, and when."
+    )
+    date: Annotated[Line, Typical("2026-05-04")] = Field(
+        default="", description="Date of the document."
+    )
     logo: Annotated[str, AfterValidator(_checked), Typical("logo.png")] = Field(
         default="",
         description="Image file (PNG, JPEG or SVG, at most 200 kB), seen from the file that names "

@@ -183,9 +183,7 @@ def _write_files(
     files.write("table.nc", lambda path: save_netcdf(found, path))
     files.write("study.json", lambda path: write_text(path, text))
     facts_of_page = {"Computed by": executor.description}
-    files.write(
-        "study.html", lambda path: write_study_report(found, path, facts_of_page, project)
-    )
+    files.write("study.html", lambda path: write_study_report(found, path, facts_of_page, project))
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems and answer.exit_code != DONE:

@@ -14,8 +14,6 @@ from tautwire.files import write_text
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.measured_page import reading_blocks
-from tautwire.report.writers.html import render
-from tautwire.report.writers.project import common_project, project_block
 from tautwire.report.parts.blocks import Callout, Section, Table, Text, Verdict
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
@@ -29,6 +27,8 @@ from tautwire.report.parts.recordings.comparison import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import listing
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import common_project, project_block
 from tautwire.results.run import Run
 from tautwire.version import __version__
 

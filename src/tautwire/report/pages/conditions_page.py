@@ -9,11 +9,11 @@ from typing import Any
 
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
-from tautwire.report.writers.html import render
-from tautwire.report.writers.project import project_block
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
 from tautwire.report.parts.sections import chart
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.results.conditions import ConditionState
 from tautwire.specs.case import Case
 from tautwire.version import __version__

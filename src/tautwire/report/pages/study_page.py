@@ -12,9 +12,6 @@ import numpy as np
 
 from tautwire.files import write_text
 from tautwire.report.figures.study_figures import readable_axis, usual_figures
-from tautwire.report.writers.html import render
-from tautwire.report.writers.project import project_block
-from tautwire.specs.project import Project
 from tautwire.report.parts.blocks import (
     Callout,
     Cell,
@@ -28,7 +25,10 @@ from tautwire.report.parts.blocks import (
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import counted, listing, number
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.signals.filters import SharpLowpass
+from tautwire.specs.project import Project
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import Alike, StudyTable
 from tautwire.text import MARK, marked
