@@ -21,6 +21,7 @@ from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.project import Project
+from tautwire.specs.requirements import Requirements
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
@@ -104,6 +105,11 @@ class Case(Told, Spec):
     condition: str | None = Field(
         default=None,
         description="Name of the condition in which the line is examined; the design if left out.",
+    )
+    requirements: Requirements = Field(
+        default=Requirements(),
+        description="What the line has to keep in its design and in all conditions; nothing if "
+        "left out.",
     )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(
