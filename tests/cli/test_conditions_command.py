@@ -54,8 +54,23 @@ def test_conditions_side_by_side(invoke: Invoke) -> None:
         rows = list(csv.DictReader(file))
     assert [row["condition"] for row in rows] == ["design", "cold", "broken", "storm"]
     assert "support 2" in rows[3]["no such state"]
+    with Path("made/supports.csv").open(encoding="utf-8") as file:
+        forces = list(csv.DictReader(file))
+    assert {row["condition"] for row in forces} == {"design", "cold", "broken"}
+    weight = sum(float(row["vertical [N]"]) for row in forces if row["condition"] == "cold")
+    document = json.loads(Path("made/static.json").read_text(encoding="utf-8"))
+    assert abs(weight + document["shape"]["weight_n"]) < 1.0
+    with Path("made/installation.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["cold, -20 degC [mm]"]) > 0.0
+    assert "Forces on supports" in outcome.out
     page = Path("made/conditions.html").read_text(encoding="utf-8")
-    for text in ("missing dropper: dropper 5 of span 2", "Lateral position", "farthest left"):
+    for text in (
+        "Installation",
+        "missing dropper: dropper 5 of span 2",
+        "Lateral position",
+        "farthest left",
+    ):
         assert text in page
 
 

@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.design.masts import Masts, masts_of
 from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
@@ -20,6 +21,7 @@ from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
+from tautwire.cli.views.masts_view import masts_view
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
@@ -28,6 +30,7 @@ from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.pages.conditions_page import write_conditions_page
 from tautwire.report.parts.condition_words import conditions_csv
+from tautwire.report.parts.mast_words import installation_csv, supports_csv
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -79,6 +82,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             elasticity = _elasticity(answer, interrupts, model, shape)
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
             states = _conditions(answer, interrupts, model, shape, elasticity)
+            masts = masts_of(model, states or (state_of(model, shape, elasticity),))
             name = backend(case.settings.backend)
             with interrupts.patient():
                 odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
@@ -90,9 +94,12 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
                 _show_conditions(answer, states)
+                answer.document["masts"] = masts.as_dict()
+                answer.show(*masts_view(masts, _contact_wires(shape)))
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
-                    _write_conditions(files, case, states)
+                    _write_masts(files, masts)
+                    _write_conditions(files, case, states, masts)
                     _list_files(answer, files)
     answer.exit_code = interrupts.exit_code
     if answer.exit_code == DONE and any(state.fault for state in states):
@@ -149,11 +156,23 @@ def _show_conditions(answer: Answer, states: tuple[ConditionState, ...]) -> None
         answer.show(*conditions_view(states))
 
 
-def _write_conditions(files: Files, case: Case, states: tuple[ConditionState, ...]) -> None:
+def _contact_wires(shape: Equilibrium) -> tuple[str, ...]:
+    return tuple(wire.name for wire in shape.of_role("contact"))
+
+
+def _write_masts(files: Files, masts: Masts) -> None:
+    files.write("supports.csv", lambda path: write_text(path, supports_csv(masts)))
+    if masts.installation:
+        files.write("installation.csv", lambda path: write_text(path, installation_csv(masts)))
+
+
+def _write_conditions(
+    files: Files, case: Case, states: tuple[ConditionState, ...], masts: Masts
+) -> None:
     if not states:
         return
     files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
-    files.write("conditions.html", lambda path: write_conditions_page(case, states, path))
+    files.write("conditions.html", lambda path: write_conditions_page(case, states, masts, path))
 
 
 def elasticity_csv(elasticity: Elasticity) -> str:

@@ -92,6 +92,8 @@ _PURPOSE = {
     "static.json": "results",
     "droppers.csv": "dropper table",
     "elasticity.csv": "elasticity",
+    "supports.csv": "forces on supports",
+    "installation.csv": "installation table",
     "conditions.csv": "conditions",
     "conditions.html": "page of the conditions",
     "force.csv": "force history",

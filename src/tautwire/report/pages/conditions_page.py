@@ -7,19 +7,29 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from tautwire.analyses.design.masts import Masts
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
+from tautwire.report.parts.mast_words import (
+    CLEARANCE_HEAD,
+    FORCE_HEAD,
+    clearance_rows,
+    force_rows,
+    installation_head,
+    installation_rows,
+)
 from tautwire.report.parts.sections import chart
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.results.conditions import ConditionState
 from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 
 def write_conditions_page(
-    case: Case, states: Sequence[ConditionState], path: str | os.PathLike[str]
+    case: Case, states: Sequence[ConditionState], masts: Masts, path: str | os.PathLike[str]
 ) -> Path:
     """Write the conditions of a line as a single HTML file, completely or not at all.
 
@@ -28,6 +38,8 @@ def write_conditions_page(
     case
     states
         The design first.
+    masts
+        Forces on supports and installation of these states.
     path
         File to write.
 
@@ -37,7 +49,12 @@ def write_conditions_page(
         The file.
     """
     possible = [one for one in states if not one.fault]
-    contents = [_summary(case, states, possible), _ends(possible), _figures(possible)]
+    contents = [
+        _summary(case, states, possible),
+        _ends(possible),
+        _supports(masts),
+        _figures(possible),
+    ]
     return write_text(path, render(contents, _masthead(case, states)))
 
 
@@ -52,6 +69,7 @@ def _masthead(case: Case, states: Sequence[ConditionState]) -> dict[str, Any]:
             "Conditions": str(len(states) - 1),
             "Mesh": case.settings.mesh(),
         },
+        "project": project_block(case.project),
         "version": __version__,
         "case_hash": case.hash()[:12],
     }
@@ -96,6 +114,43 @@ def _ends(states: Sequence[ConditionState]) -> Section:
         caption = "Travel of the ends that move over the temperature of the conditions."
         blocks.append(chart("travel", figure, caption, "Travel over temperature."))
     return Section("ends", "Ends of the wires", tuple(blocks))
+
+
+def _supports(masts: Masts) -> Section:
+    blocks: list[object] = []
+    if masts.exceeded:
+        blocks.append(Callout(tuple(f"{name}: {text}" for name, text in masts.exceeded)))
+    blocks.append(
+        Table(
+            "Forces of all wires on every support, least to largest of all states: upwards, level "
+            "to the left of rising chainage (radial in a curve), and along the track. Weight of "
+            "cantilevers and wind on them are not in it.",
+            FORCE_HEAD,
+            "rrrrr",
+            tuple(force_rows(masts)),
+        )
+    )
+    if masts.installation:
+        blocks.append(
+            Table(
+                "Installation: how far cantilevers stand along the track from their place in the "
+                "design, positive towards rising chainage, and weights above theirs [mm].",
+                installation_head(masts, slice(None)),
+                "rl" + "r" * len(masts.temperatures),
+                tuple(installation_rows(masts, slice(None))),
+            )
+        )
+    if any(one.clearances for one in masts.states):
+        blocks.append(
+            Table(
+                "Structures: what is left between the highest wire, lifted by a passing "
+                "pantograph, and the structure, in the state with least.",
+                CLEARANCE_HEAD,
+                "lllrrrl",
+                tuple(clearance_rows(masts)),
+            )
+        )
+    return Section("supports", "Supports, installation, structures", tuple(blocks))
 
 
 def _figures(states: Sequence[ConditionState]) -> Section:

@@ -1,0 +1,1 @@
+"""What those who design masts, gauge and structures ask of the states of a line."""

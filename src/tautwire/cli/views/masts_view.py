@@ -1,0 +1,46 @@
+"""What ``static`` shows of forces on supports, installation and distances to structures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from tautwire.analyses.design.masts import Masts
+from tautwire.cli.views.tables import facts, heading, table
+from tautwire.report.parts.mast_words import (
+    CLEARANCE_HEAD,
+    FORCE_HEAD,
+    clearance_rows,
+    force_rows,
+    installation_head,
+    installation_rows,
+)
+
+MOST_COLUMNS = 5
+"""Temperatures beside each other on a terminal of 80 columns."""
+
+
+def masts_view(masts: Masts, contact: tuple[str, ...]) -> Iterator[Any]:
+    """Yield the tables of supports.
+
+    Parameters
+    ----------
+    masts
+    contact
+        Names of the contact wires, whose cantilevers are told.
+    """
+    states = len(masts.states)
+    extent = f"least to largest of {states} states" if states > 1 else "all wires together"
+    yield heading("Forces on supports", f"{extent}; lateral: to the left")
+    yield table(FORCE_HEAD, "rrrrr", force_rows(masts))
+    for first in range(0, len(masts.temperatures), MOST_COLUMNS):
+        chosen = slice(first, first + MOST_COLUMNS)
+        yield heading("Installation", "mm from the design; weights upwards")
+        rows = installation_rows(masts, chosen, contact)
+        yield table(installation_head(masts, chosen), "rL" + "r" * len(rows[0][2:]), rows)
+    if any(one.clearances for one in masts.states):
+        yield heading("Structures", "distance to the lifted wire, least of all states")
+        yield table(CLEARANCE_HEAD, "LLLrrrl", clearance_rows(masts))
+    if masts.exceeded:
+        yield heading("Requirements that are not kept")
+        yield facts(masts.exceeded)

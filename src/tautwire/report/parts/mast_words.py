@@ -1,0 +1,113 @@
+"""Forces on supports and the installation of cantilevers as words, for tables of every kind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from tautwire.analyses.design.masts import Masts
+from tautwire.analyses.design.supports import Installed, totals
+from tautwire.text import csv_text
+
+FORCE_HEAD = ("support", "x\n[m]", "vertical\n[N]", "lateral\n[N]", "along\n[N]")
+CLEARANCE_HEAD = ("structure", "condition", "wire", "x\n[m]", "left\n[mm]", "needed\n[mm]", "")
+
+
+def force_rows(masts: Masts) -> list[tuple[str, ...]]:
+    """Return one row per support: least and largest sum of the wires' forces over all states."""
+    per_state = [totals(one.forces) for one in masts.states]
+    rows = []
+    for same in zip(*per_state, strict=True):
+        parts = ([getattr(one, name) for one in same] for name in ("vertical", "lateral", "along"))
+        rows.append((str(same[0].support), f"{same[0].x:g}", *map(_extent, parts)))
+    return rows
+
+
+def _extent(values: Sequence[float]) -> str:
+    low, high = (f"{value:.0f}".replace("-0", "0") if abs(value) < 0.5 else f"{value:.0f}"
+                 for value in (min(values), max(values)))  # fmt: skip
+    return low if low == high else f"{low} to {high}"
+
+
+def installation_head(masts: Masts, chosen: slice) -> tuple[str, ...]:
+    """Return the heading of some columns of the installation table."""
+    return ("support", "", *(f"{value:g} °C" for value in masts.temperatures[chosen]))
+
+
+def installation_rows(
+    masts: Masts, chosen: slice, wires: Sequence[str] | None = None
+) -> list[tuple[str, ...]]:
+    """Return one row per cantilever and weight, in millimetres.
+
+    Parameters
+    ----------
+    masts
+    chosen
+        Which temperatures.
+    wires
+        Whose cantilevers are told; all by default. Weights always are.
+    """
+    return [
+        (str(one.support), f"{one.wire}, {one.what}", *map(_offset, one.offsets[chosen]))
+        for one in masts.installation
+        if wires is None or one.wire in wires or one.what == "weight"
+    ]
+
+
+def _offset(value: float) -> str:
+    return "" if math.isnan(value) else f"{1e3 * value:+.0f}"
+
+
+def clearance_rows(masts: Masts) -> list[tuple[str, ...]]:
+    """Return one row per structure: the state in which least is left."""
+    rows = []
+    for same in zip(*(one.clearances for one in masts.states), strict=True):
+        worst = min(range(len(same)), key=lambda number: same[number].left_over)
+        one = same[worst]
+        rows.append(
+            (
+                one.structure,
+                masts.states[worst].condition,
+                one.wire,
+                f"{one.x:.1f}",
+                f"{1e3 * one.left_over:.0f}",
+                f"{1e3 * one.required:.0f}",
+                "inside" if one.is_kept else "outside",
+            )
+        )
+    return rows
+
+
+def supports_csv(masts: Masts) -> str:
+    """Return the force of every wire on every support in every state as CSV."""
+    head = ("condition", "support", "x [m]", "wire", "held by", "lateral position [m]",
+            "height [m]", "along [N]", "lateral [N]", "vertical [N]")  # fmt: skip
+    return csv_text(
+        head,
+        (
+            (
+                state.condition,
+                one.support,
+                f"{one.x:.4f}",
+                one.wire,
+                one.held_by,
+                f"{one.lateral_position:.4f}",
+                f"{one.height:.4f}",
+                *(f"{value:.2f}" for value in (one.along, one.lateral, one.vertical)),
+            )
+            for state in masts.states
+            for one in state.forces
+        ),
+    )
+
+
+def installation_csv(masts: Masts) -> str:
+    """Return the installation table as CSV, one column per temperature [mm]."""
+    names = zip(masts.conditions, masts.temperatures, strict=True)
+    head = ("support", "x [m]", "wire", "what", *(f"{n}, {t:g} degC [mm]" for n, t in names))
+    return csv_text(head, (_installed(one) for one in masts.installation))
+
+
+def _installed(one: Installed) -> tuple[object, ...]:
+    offsets = ("" if math.isnan(value) else f"{1e3 * value:.2f}" for value in one.offsets)
+    return (one.support, f"{one.x:.4f}", one.wire, one.what, *offsets)
