@@ -13,6 +13,7 @@ from tautwire.model.build import Model, build
 from tautwire.model.equations import equations
 from tautwire.model.passage import plan_passage
 from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion import backend
 from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions
@@ -29,6 +30,8 @@ from tautwire.specs.line.wire import Wire
 
 Array = NDArray[Any]
 
+HAS_CORE = backend._load()[0] is not None
+"""Whether the compiled core is installed and runs on this processor."""
 NOTHING = np.empty(0, dtype=np.int64)
 CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 """Tension [N], mass [kg/m], EA [N], EI [N m2] of the contact wire of AC simple."""

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tautwire.numerics.motion import backend
+from ..lines import HAS_CORE
 
-needs_core = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+needs_core = pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 
 
 def output(root: Path, program: str, *words: str) -> str:

@@ -13,7 +13,7 @@ import tautwire
 from tautwire.inputs.reading import line_tables
 from tautwire.specs.line.irregularity import Unevenness
 from tautwire.specs.pantograph import RoofMotion
-from tautwire.specs.schema.vocabulary import features
+from tautwire.specs.schema import vocabulary
 
 WORDS_OF_A_ROW = {
     "case",
@@ -33,7 +33,7 @@ def test_every_refused_feature_is_on_the_page(root: Path) -> None:
     text = (root / "docs" / "not-modelled-yet.md").read_text(encoding="utf-8")
     rows = [line for line in text.splitlines() if line.startswith("| ")]
     listed = [row.split("|")[1].strip() for row in rows[1:]]
-    assert listed == list(features())
+    assert listed == list(vocabulary._content()["features"])
 
 
 def test_every_page_is_in_the_table_of_contents(root: Path) -> None:

@@ -15,8 +15,7 @@ from typing import Any
 
 import pytest
 
-from tautwire.numerics.motion.backend import native_available
-
+from ..lines import HAS_CORE
 from .conftest import SMALL, values_on_disk
 from .local_cluster import Cluster, free_port
 
@@ -306,7 +305,7 @@ def test_mixed_instruction_sets(
     tmp_path: Path, study: Callable[..., Finished], folder: Path
 ) -> None:
     """Workers with different instruction sets are named in the terminal, table and report."""
-    if not native_available():
+    if not HAS_CORE:
         pytest.skip("there are no compiled kernels to choose from")
     with Cluster(tmp_path) as cluster:
         cluster.add_worker(TAUTWIRE_SIMD="plain")

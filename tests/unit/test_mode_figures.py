@@ -9,7 +9,6 @@ import pytest
 
 from tautwire.analyses.vibration.contact_wire import wavenumber_spectrum
 from tautwire.analyses.vibration.space_time import SpaceTime
-from tautwire.analyses.vibration.transmissibility import Receptance
 from tautwire.report.figures import mode_figures
 from tautwire.results.modes import Modes, ModeWire
 
@@ -62,18 +61,6 @@ def test_spectra_side_by_side() -> None:
     figure = mode_figures.spectrum_figure(spectra, {}, "amplitude [mm]", scale=1e3)
     assert set(traces(figure)) == {"short", "long"}
     assert figure.layout.yaxis.type == "log"
-
-
-def test_transmissibility() -> None:
-    """One curve per contact stiffness over a logarithmic axis, the tolerance shaded."""
-    frequencies = np.geomspace(1.0, 200.0, 50)
-    values = 1.0 / (2j * np.pi * frequencies * 345.0)
-    response = Receptance(frequencies, np.array([0.0]), values[None, :])
-    figure = mode_figures.transmissibility_figure(response, (5e4, 2e5))
-    drawn = traces(figure)
-    assert set(drawn) == {"50 kN/m", "200 kN/m"}
-    assert drawn["200 kN/m"].y[-1] > drawn["50 kN/m"].y[-1]
-    assert (figure.layout.shapes[0].y0, figure.layout.shapes[0].y1) == pytest.approx((0.9, 1.1))
 
 
 def test_space_time_map() -> None:

@@ -15,9 +15,9 @@ from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.stepper import StepOptions
 from tautwire.numerics.newmark import Newmark
 
-from ..lines import ac_simple, entering, moved
+from ..lines import HAS_CORE, ac_simple, entering, moved
 
-pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+pytestmark = pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 
 Array = NDArray[Any]
 TWO_SPANS: dict[str, Any] = {"line__spans": 2, "settings__section": (1, 1)}

@@ -29,12 +29,11 @@ from tautwire.specs import (
     Wire,
     case_json_schema,
 )
+from tautwire.specs.schema import vocabulary
 from tautwire.specs.schema.vocabulary import (
     Meaning,
-    features,
     folded,
     meaning_of,
-    renamed_keys,
     words_for,
 )
 
@@ -319,7 +318,10 @@ def test_json_schema_knows_includes_and_tables() -> None:
     assert "oneOf" not in json.dumps(schema)
 
 
-@pytest.mark.parametrize("feature", features())
+FEATURES, RENAMED = vocabulary._content()["features"], vocabulary._content()["keys"]
+
+
+@pytest.mark.parametrize("feature", FEATURES)
 def test_features_are_found_by_their_words(feature: str) -> None:
     """Every feature is recognised by each of its words, in any spelling, one or several."""
     for entry in words_for(feature):
@@ -332,9 +334,9 @@ def test_features_are_found_by_their_words(feature: str) -> None:
 
 def test_words_for_keys_lead_to_keys() -> None:
     """Every path of the vocabulary exists, and no word stands for two things."""
-    words = [word for name in (*features(), *renamed_keys()) for word in words_for(name)]
+    words = [word for name in (*FEATURES, *RENAMED) for word in words_for(name)]
     assert len(words) == len({".".join(map(folded, word.split("."))) for word in words})
-    assert all(find_target(parse_path(path)).field is not None for path in renamed_keys())
+    assert all(find_target(parse_path(path)).field is not None for path in RENAMED)
     assert meaning_of("Systemhöhe") == Meaning(key="supports.encumbrance")
     assert meaning_of("systemHeight") == Meaning(key="supports.encumbrance")
 

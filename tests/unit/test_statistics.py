@@ -11,7 +11,7 @@ import pytest
 
 from tautwire.analyses.force.contact_loss import contact_loss, nearest_place
 from tautwire.analyses.force.section import analysed_section, time_in_section
-from tautwire.analyses.force.spectrum import filtered_force, force_spectrum
+from tautwire.analyses.force.spectrum import force_spectrum
 from tautwire.analyses.force.statistics import contact_statistics, force_histogram
 from tautwire.errors import InputError
 from tautwire.results.run import Run
@@ -334,15 +334,6 @@ def test_json_has_the_keys_of_the_contract(run: Run) -> None:
     assert "sigma" in str(stats)
 
 
-def test_filtered_history_is_that_of_the_statistics(run: Run) -> None:
-    """The largest 20 Hz force of the history inside the section is the statistics' maximum."""
-    force = filtered_force(run, "front", SharpLowpass())
-    inside = (force.position >= 165.0) & (force.position <= 715.0)
-    assert force.force[inside].max() == contact_statistics(run).pantograph().sharp.maximum
-    with pytest.raises(InputError, match="cannot be filtered"):
-        filtered_force(run, "front", SharpLowpass(600.0))
-
-
 def test_spectrum_shows_the_waves(wave_run: Run) -> None:
     """The section's spectrum has lines of 50 N near 1.62 Hz and of 30 N near 15.46 Hz."""
     spectrum = force_spectrum(wave_run, "front")
@@ -357,4 +348,3 @@ def test_spectrum_needs_samples() -> None:
     """A run that ended before the section has no spectrum, and the message says so."""
     with pytest.raises(InputError, match="no spectrum of pantograph 'front'"):
         force_spectrum(make_run(status="partial", duration=1.0), "front")
-    assert filtered_force(make_run(entering=False), "front", SharpLowpass()).time.size == 0

@@ -29,9 +29,9 @@ from tautwire.numerics.motion.stepper import (
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
-from ..lines import ac_simple, droppers_of, entering, moved, straight_wire
+from ..lines import HAS_CORE, ac_simple, droppers_of, entering, moved, straight_wire
 
-pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+pytestmark = pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 
 Array = NDArray[np.float64]
 STEPS = 150
@@ -145,7 +145,7 @@ def test_leaving_the_wire_is_told() -> None:
         assert len(block.time) == 5
 
 
-KERNELS: tuple[str, ...] = backend._load()[0].built if backend.native_available() else ("none",)  # type: ignore[union-attr]
+KERNELS: tuple[str, ...] = backend._load()[0].built if HAS_CORE else ("none",)  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("name", KERNELS)

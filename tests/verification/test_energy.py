@@ -17,7 +17,7 @@ from tautwire.numerics.newmark import HHT, Integrator, Newmark
 from tautwire.specs.case import Case
 from tautwire.status import Status
 
-from ..lines import ac_simple, found, kinetic_energy, loaded, potential_energy, stepper
+from ..lines import HAS_CORE, ac_simple, found, kinetic_energy, loaded, potential_energy, stepper
 from .test_general_lines import stitched
 
 Array = NDArray[np.float64]
@@ -127,7 +127,7 @@ def energies(system: System, duration: float) -> tuple[list[float], int]:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+@pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 def test_a_stitched_line_feeds_no_energy(record_validation: Callable[..., bool]) -> None:
     """Four undamped spans with stitch wires, plucked so that droppers slacken, never hold more
     than 0.1 % above the energy put in over 10 s (nine nodes between droppers; with four, too coarse
@@ -151,7 +151,7 @@ def test_a_stitched_line_feeds_no_energy(record_validation: Callable[..., bool])
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+@pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 @pytest.mark.parametrize("nodes", [9, 15, 18])
 def test_compiled_core_feeds_no_energy(nodes: int, record_validation: Callable[..., bool]) -> None:
     """The compiled core at its default tolerance: six undamped spans, plucked by 17 cm so that

@@ -20,7 +20,6 @@ from tautwire.line.expand import expand
 from tautwire.model.build import build
 from tautwire.model.equations import equations
 from tautwire.numerics.elements import ancf
-from tautwire.numerics.motion.backend import native_available
 from tautwire.numerics.network.banded import Pattern
 from tautwire.numerics.network.system import internal_force
 from tautwire.numerics.statics.form_finding import find_form
@@ -29,7 +28,7 @@ from tautwire.results.run import Run
 from tautwire.specs.case import Case
 from tautwire.status import Status
 
-from ..lines import AC_SIMPLE
+from ..lines import AC_SIMPLE, HAS_CORE
 
 Array = NDArray[np.float64]
 Record = Callable[..., bool]
@@ -323,7 +322,7 @@ def test_transfer_between_tension_lengths() -> None:
 def test_native_and_reference_agree(name: str) -> None:
     """Both backends give the same contact force, and the same share of every contact wire, to
     2e-5 N rms at a tolerance of 1e-11 m."""
-    if not native_available():
+    if not HAS_CORE:
         pytest.skip("no compiled core")
     data = LINES[name]()
     data["settings"] |= {"tolerance": 1e-11, "start": 150.0 if name == "overlap" else 5.0}

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 import tautwire as tw
 from tautwire.analyses.road.dynamics import Simulation
 from tautwire.errors import ConvergenceError, ModelError
-from tautwire.numerics.motion.backend import native_available
 from tautwire.specs.case import Case
 
-from ..lines import ac_simple
+from ..lines import HAS_CORE, ac_simple
 
 Array = NDArray[np.float64]
 ROUGH = {
@@ -239,7 +238,7 @@ def test_event_storm_ends_with_a_clear_status(method: str) -> None:
     assert 0.0 < partial.time[-1] < 2.0
 
 
-@pytest.mark.skipif(not native_available(), reason="needs the compiled core")
+@pytest.mark.skipif(not HAS_CORE, reason="needs the compiled core")
 @pytest.mark.parametrize("method", ["variable", "adaptive"])
 def test_both_backends_find_the_same_events(method: str) -> None:
     """Compiled core and NumPy reference divide the same steps and find the same instants, within

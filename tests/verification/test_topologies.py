@@ -15,9 +15,10 @@ from tautwire.numerics.network.system import System
 from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 
+from ..lines import HAS_CORE
 from ..topologies import TOPOLOGIES, hanging, under_way
 
-pytestmark = pytest.mark.skipif(not backend.native_available(), reason="no compiled core here")
+pytestmark = pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 
 STEPS = 150
 

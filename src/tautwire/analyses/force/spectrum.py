@@ -5,39 +5,8 @@ from __future__ import annotations
 from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import uniform_force
 from tautwire.errors import InputError
-from tautwire.results.run import ForceRecord, Run
-from tautwire.signals.filters import Lowpass
+from tautwire.results.run import Run
 from tautwire.signals.spectra import Spectrum, amplitude_spectrum, power_spectral_density
-
-
-def filtered_force(run: Run, name: str, lowpass: Lowpass) -> ForceRecord:
-    """Return a pantograph's contact force since it entered, low-passed over the whole record.
-
-    Parameters
-    ----------
-    run : Run
-    name : str
-        Name of the pantograph.
-    lowpass : Lowpass
-
-    Returns
-    -------
-    ForceRecord
-        Evenly spaced in time; empty when the pantograph never entered.
-
-    Raises
-    ------
-    InputError
-        When the cut-off is not below the Nyquist frequency of the record.
-    """
-    record = uniform_force(run, name)
-    if record.time.size < 2:
-        return record
-    try:
-        force = lowpass.apply(record.force, record.time_step)
-    except ValueError as error:
-        raise InputError(f"the contact force cannot be filtered: {error}") from None
-    return ForceRecord(record.time, record.position, force)
 
 
 def force_spectrum(

@@ -21,29 +21,6 @@ from tautwire.text import DESIGN
 Array = NDArray[Any]
 
 
-def compare_conditions(
-    model: Model, design: Equilibrium, *, with_elasticity: bool = True
-) -> tuple[ConditionState, ...]:
-    """Find the state of a line in its design and in every condition of its case.
-
-    Parameters
-    ----------
-    model
-        The line.
-    design
-        Its design.
-    with_elasticity
-        Whether the elasticity of every state is computed.
-
-    Returns
-    -------
-    tuple of ConditionState
-        The design first. A condition without a state has its reason as ``fault``.
-    """
-    names = (None, *(one.name for one in model.case.conditions))
-    return tuple(examine(model, design, name, with_elasticity=with_elasticity) for name in names)
-
-
 def examine(
     model: Model,
     design: Equilibrium,

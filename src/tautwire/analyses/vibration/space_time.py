@@ -33,7 +33,7 @@ class SpaceTime:
     paths: dict[str, Array]
 
 
-def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
+def wire_velocity(run: Run, wire: str | None = None) -> SpaceTime:
     """Differentiate the stored shapes of a wire in time.
 
     Central differences between the neighbours of each frame, so what is faster than about a third
@@ -44,7 +44,7 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
     run
         A run of a case with ``settings.store_shapes: true``.
     wire
-        Its name.
+        Its name; the first contact wire by default.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def wire_velocity(run: Run, wire: str = "contact") -> SpaceTime:
     InputError
         When the run holds too few shapes, or the wire is unknown.
     """
-    names = run.equilibrium.wire_names
+    names, wire = run.equilibrium.wire_names, wire or run.equilibrium.contact.name
     if wire not in names:
         raise InputError(f"wire: got {wire!r}; choose one of {', '.join(names)}")
     shots = run.snapshots

@@ -49,11 +49,6 @@ def _load() -> tuple[ModuleType | None, str]:
     return _core, ""
 
 
-def native_available() -> bool:
-    """Say whether the compiled core is installed and runs on this processor."""
-    return _load()[0] is not None
-
-
 def _native(choice: Choice) -> ModuleType | None:
     """Return the core that ``choice`` calls for, set to the instruction set that is wanted.
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.modes import mode_spectrum
 from tautwire.analyses.vibration.space_time import SpaceTime
-from tautwire.analyses.vibration.transmissibility import TOLERANCE, Receptance
 from tautwire.report.figures import style
 from tautwire.report.figures.packing import thinned
 from tautwire.results.modes import Modes
@@ -171,33 +170,6 @@ def _add_wavelengths(figure: go.Figure, highest: float, span: float | None) -> N
             "zeroline": False,
         }
     )
-
-
-def transmissibility_figure(
-    response: Receptance, stiffnesses: Sequence[float], tolerance: float = TOLERANCE
-) -> go.Figure:
-    """Draw the mean transmissibility from head to wire over frequency per contact stiffness."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(400, top=76))
-    figure.add_hrect(
-        y0=1.0 - tolerance, y1=1.0 + tolerance, fillcolor=style.SECTION, line_width=0, layer="below"
-    )
-    for at, stiffness in enumerate(stiffnesses):
-        look = style.look(at)
-        figure.add_scatter(
-            x=response.frequencies.astype(np.float32),
-            y=response.mean_transmissibility(stiffness).astype(np.float32),
-            name=f"{1e-3 * stiffness:.4g} kN/m",
-            mode="lines",
-            line={"color": look.colour, "width": 1.8, "dash": look.dash},
-            hovertemplate="%{y:.2f}",
-        )
-    figure.update_layout(
-        xaxis=style.axis("frequency [Hz]", type="log"),
-        yaxis=style.axis("|wire / head| [1]", range=[0, 2]),
-    )
-    return style.fit_legend(figure)
 
 
 def space_time_figure(motion: SpaceTime, section: tuple[float, float]) -> go.Figure:

@@ -12,7 +12,6 @@ from tautwire.analyses.design.masts import Masts
 from tautwire.assessment.lateral import LateralCheck
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
 from tautwire.report.parts.design.lateral_words import (
@@ -31,6 +30,8 @@ from tautwire.report.parts.design.mast_words import (
     installation_rows,
 )
 from tautwire.report.parts.sections import chart
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.results.conditions import ConditionState
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -92,6 +93,7 @@ def _masthead(case: Case, states: Sequence[ConditionState]) -> dict[str, Any]:
             "Conditions": str(len(states) - 1),
             "Mesh": case.settings.mesh(),
         },
+        "project": project_block(case.project),
         "version": __version__,
         "case_hash": case.hash()[:12],
     }

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tautwire.analyses.vibration.space_time import wire_velocity
 from tautwire.errors import InputError
-from tautwire.report.figures import force_figures, line_figures, loss_figures
-from tautwire.report.pages.run_page import render
+from tautwire.report.figures import force_figures, line_figures, loss_figures, mode_figures
 from tautwire.report.parts import sections
 from tautwire.report.parts.views import RunView, prepare
+from tautwire.report.writers.html import render
 from tautwire.results.run import Run
 
 if TYPE_CHECKING:
@@ -101,6 +102,21 @@ class RunPlots:
         if not any(entry.contact_loss.events for entry in self._view.statistics.pantographs):
             raise InputError("there is nothing to draw: no contact is lost in the analysed section")
         return loss_figures.enlarged_figure([self._view])
+
+    def motion(self, wire: str | None = None) -> go.Figure:
+        """Draw a map of a wire's vertical velocity over position and time.
+
+        Parameters
+        ----------
+        wire
+            Its name; the first contact wire by default.
+
+        Raises
+        ------
+        InputError
+            When the shapes were not stored (``settings.store_shapes``), or the wire is unknown.
+        """
+        return mode_figures.space_time_figure(wire_velocity(self.run, wire), self._view.section)
 
     def animation(self) -> Film:
         """Return the passage as an animation."""

@@ -31,16 +31,6 @@ class Meaning:
     feature: str = ""
 
 
-def features() -> tuple[str, ...]:
-    """Return what is refused by name because a case cannot describe it yet."""
-    return tuple(_content()["features"])
-
-
-def renamed_keys() -> tuple[str, ...]:
-    """Return the paths of the keys that people know under other names."""
-    return tuple(_content()["keys"])
-
-
 def words_for(name: str) -> tuple[str, ...]:
     """Return the words that stand for a feature or for the path of a key."""
     content = _content()
