@@ -55,7 +55,8 @@ class CrossWind(Spec):
 
     def from_side(self, side: Literal["left", "right"]) -> Wind:
         """Return it as the wind from one side."""
-        return Wind(from_=side, **{name: getattr(self, name) for name in CrossWind.model_fields})
+        own = {name: getattr(self, name) for name in CrossWind.model_fields}
+        return Wind.model_validate({**own, "from": side})
 
 
 class Wind(CrossWind):
