@@ -295,7 +295,7 @@ def test_bad_profile(table: str, words: str, tmp_path: Path) -> None:
 
 
 def test_tables_as_people_own_them(tmp_path: Path) -> None:
-    """A case takes tables in another language, encoding and dialect; what means nothing is aside."""
+    """A case takes tables in another language, encoding and dialect; other columns are aside."""
     supports = "Mastnummer;Kilometrierung [km];Seitenlage [cm];Bemerkung\n"
     supports += "4/1;12,300;20;\n4/2;12,360;-20;Weiche\n4/3;12,415;20;\n"
     (tmp_path / "masts.csv").write_bytes(supports.encode("cp1252"))

@@ -17,7 +17,8 @@ import pytest
 from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.errors import InputError
 from tautwire.model.irregularity import draw_irregularities
-from tautwire.report.pages.run_page import without_addresses, write_report
+from tautwire.report.pages.run_page import write_report
+from tautwire.report.writers.html import without_addresses
 from tautwire.results.run import Run
 
 from .synthetic import make_case, make_elasticity, make_run

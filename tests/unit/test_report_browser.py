@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tautwire.report.pages.run_page import script_hash, write_report
+from tautwire.report.pages.run_page import write_report
+from tautwire.report.writers.html import script_hash
 
 from .synthetic import make_case, make_elasticity, make_run
 

@@ -22,6 +22,7 @@ from tautwire.cli.options import (
     JsonOption,
     LimitsOption,
     OutFolderOption,
+    ProjectOption,
     SetOption,
     SystemOption,
     with_condition,
@@ -202,6 +203,7 @@ def run(
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
+    project: ProjectOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -215,7 +217,7 @@ def run(
 
         asked = criteria_of(system, free_uplift, limits)
         request = RunRequest(
-            case, with_condition(overrides, condition), out, asked, not no_report, force
+            case, with_condition(overrides, condition), out, asked, not no_report, force, project
         )
         run_passage(answer, request)
 
@@ -236,6 +238,7 @@ def report(
     system: SystemOption = "ac",
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Write one HTML report about one run, or about several runs overlaid."""
@@ -244,7 +247,7 @@ def report(
         from tautwire.cli.commands.run import criteria_of
 
         asked = criteria_of(system, free_uplift, limits)
-        report_runs(answer, runs, out or Path("report.html"), asked)
+        report_runs(answer, runs, out or Path("report.html"), asked, project)
 
 
 @app.command()

@@ -67,6 +67,16 @@ LimitsOption = Annotated[
         show_default=False,
     ),
 ]
+ProjectOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--project",
+        metavar="FILE",
+        help="Project block of the pages: client, revision, author, checked, logo; in place of "
+        "that of the case.",
+        show_default=False,
+    ),
+]
 FreeUpliftOption = Annotated[
     str | None,
     typer.Option(

@@ -25,6 +25,7 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
+from tautwire.inputs.project import with_image
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.reading.reach import Reach
@@ -273,6 +274,10 @@ class _Composer:
             if not at:
                 base = self._inherited(base, reference, document)
         own = self._with_columns(own, at, document)
+        if at == ("project",):
+            folder = document.folder or Path()
+            own, problems = with_image(own, folder, self._reach, document.label)
+            self.result.problems += problems
         used = self._used(own, at, document)
         values: dict[str, Any] = {}
         sources: Sources = []

@@ -10,12 +10,12 @@ from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, format_path, parse_path, value_at
 from tautwire.text import LONGEST_NAME
 
-IDENTITY = ("title", "description")
+IDENTITY = ("title", "description", "project")
 """Keys that speak of the case as a whole and hold for no other."""
 
 
 def without_identity(values: Mapping[str, Any], label: str) -> dict[str, Any]:
-    """Return the values of an included case without its title and description.
+    """Return the values of an included case without its title, description and project.
 
     Parameters
     ----------

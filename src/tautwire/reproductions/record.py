@@ -11,10 +11,11 @@ from typing import Any
 
 from tautwire.assessment.references import ReferenceRow
 from tautwire.files import write_text
-from tautwire.report.pages.run_page import render, write_report
+from tautwire.report.pages.run_page import write_report
 from tautwire.report.parts.blocks import Section, Table, Text, Verdict
 from tautwire.report.parts.published import NAMES
 from tautwire.report.parts.words import MISSING, listing, quantity
+from tautwire.report.writers.html import render
 from tautwire.results.run import Run
 from tautwire.results.storage import save_run
 from tautwire.specs.case import Source

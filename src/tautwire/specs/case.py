@@ -20,12 +20,15 @@ from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Name, Pantograph
+from tautwire.specs.project import Project
 from tautwire.specs.requirements import Requirements
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
 from tautwire.text import Told
 
+UNHASHED = ("project",)
+"""Keys that change no number of a result and are left out of its hash."""
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
 
@@ -60,6 +63,10 @@ class Case(Told, Spec):
         default="", description="One line for the report."
     )
     description: str = Field(default="", description="Free text for the report.")
+    project: Project = Field(
+        default=Project(),
+        description="The project block of every page: client, revision, who checked it, logo.",
+    )
     track: TrackInput = Field(
         default=Track(),
         description="The track: a list of straights, transitions and arcs, columns over the "
@@ -158,8 +165,12 @@ class Case(Told, Spec):
         }
 
     def hash(self) -> str:
-        """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits."""
-        text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        """Return the SHA-256 of the case in canonical form, as 64 hexadecimal digits.
+
+        Of all but what no number depends on: a result that somebody has signed stays the same.
+        """
+        told = {key: value for key, value in self.to_dict().items() if key not in UNHASHED}
+        text = json.dumps(told, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def resolved_section(self) -> tuple[int, int]:

@@ -16,6 +16,7 @@ from tautwire.errors import InputError
 from tautwire.inputs.composition import compose
 from tautwire.inputs.load import make_case
 from tautwire.specs.case import Case
+from tautwire.specs.project import Project
 from tautwire.specs.study import Study
 from tautwire.studies.axes import Coordinate, Dimension, write_out
 from tautwire.version import __version__
@@ -126,6 +127,12 @@ class Plan:
     def case(self, point: Point) -> Case:
         """Return the case of a point; cases are made when they are needed, to save memory."""
         return make_case(self.base, point.changes)
+
+    @cached_property
+    def project(self) -> Project:
+        """Project block of the base case; empty where no combination is valid."""
+        first = next((point for point in self.points if point.key), None)
+        return Project() if first is None else self.case(first).project
 
     def coordinates(self, point: Point) -> dict[str, Coordinate]:
         """Return the values of all axes at a point by short name."""

@@ -8,22 +8,31 @@ from pathlib import Path
 from tautwire.assessment.checks import Criteria
 from tautwire.cli.session import Answer
 from tautwire.errors import InputError
+from tautwire.inputs.project import load_project
 from tautwire.results.run import Run
 from tautwire.results.storage import load_elasticity, load_run
 from tautwire.version import __version__
 
 
-def report_runs(answer: Answer, paths: Sequence[Path], out: Path, criteria: Criteria) -> None:
-    """Write the report of one run, or of several overlaid."""
+def report_runs(
+    answer: Answer,
+    paths: Sequence[Path],
+    out: Path,
+    criteria: Criteria,
+    project: Path | None = None,
+) -> None:
+    """Write the report of one run, or of several overlaid, with the project block of a file."""
     from tautwire.report.pages.run_page import write_report
 
     _refuse_unwritable(out)
+    block = None if project is None else load_project(project)
     runs = load_runs(paths)
     written = write_report(
         runs,
         out,
         [load_elasticity(path) for path in paths],
         criteria=criteria,
+        project=block,
     )
     answer.document.update(
         {

@@ -26,6 +26,7 @@ from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
+from tautwire.inputs.project import with_project
 from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs
 from tautwire.model.preflight import Advice, preflight
@@ -54,6 +55,8 @@ class RunRequest:
     with_report : bool
     force : bool
         Replace the files of another result.
+    project : Path or None
+        File with the project block.
     """
 
     case: str
@@ -62,12 +65,13 @@ class RunRequest:
     criteria: Criteria
     with_report: bool
     force: bool = False
+    project: Path | None = None
 
 
 def run_passage(answer: Answer, request: RunRequest) -> None:
     """Simulate a passage, show it and write its files, also when it was stopped or failed."""
     announce_workbook(answer, request.case)
-    case = load_case(request.case, request.overrides)
+    case = with_project(load_case(request.case, request.overrides), request.project)
     interrupts = Interrupts()
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:

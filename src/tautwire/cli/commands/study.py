@@ -26,6 +26,7 @@ from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
 from tautwire.report.parts.words import number
+from tautwire.specs.project import Project
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import WHOLE, Plan, plan_study
@@ -92,7 +93,7 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
             else:
                 answer.show(*_view(found, watch.last, elapsed))
                 answer.warn(found.mixture().splitlines())
-                _write_files(answer, Files(folder), found, executor)
+                _write_files(answer, Files(folder), found, executor, plan.project)
             _refuse_failures(answer, found, watch.last)
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
@@ -167,7 +168,9 @@ def _leave_to_others(
     )
 
 
-def _write_files(answer: Answer, files: Files, found: StudyTable, executor: Executor) -> None:
+def _write_files(
+    answer: Answer, files: Files, found: StudyTable, executor: Executor, project: Project
+) -> None:
     """Write table, document and report.
 
     Raises
@@ -180,7 +183,7 @@ def _write_files(answer: Answer, files: Files, found: StudyTable, executor: Exec
     files.write("table.nc", lambda path: save_netcdf(found, path))
     files.write("study.json", lambda path: write_text(path, text))
     facts_of_page = {"Computed by": executor.description}
-    files.write("study.html", lambda path: write_study_report(found, path, facts_of_page))
+    files.write("study.html", lambda path: write_study_report(found, path, facts_of_page, project))
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems and answer.exit_code != DONE:

@@ -172,6 +172,7 @@ def run_document(
     backend = str(run.counters.get("backend", case.settings.backend))
     return {
         "case": case.name,
+        "project": case.project.rows(),
         "version": __version__,
         "status": run.status,
         "message": run.message,

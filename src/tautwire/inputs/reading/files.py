@@ -50,6 +50,26 @@ def read_table_bytes(path: Path) -> bytes:
     return content
 
 
+def read_image(path: Path, limit: int) -> bytes:
+    """Read an image file of at most ``limit`` bytes.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or is larger.
+    """
+    size = size_of_regular_file(path)
+    if size > limit:
+        raise InputError(
+            f"{named(path)}: has {size / 1e3:.0f} kB; at most {limit / 1e3:g} kB are kept in every "
+            "result; save the image smaller"
+        )
+    try:
+        return _read_bytes(path, limit) if size else b""
+    except OSError as error:
+        raise InputError(_unreadable(path, error)) from None
+
+
 def named(path: Path | str) -> str:
     """Return a path as messages name it: complete, unless it is far too long."""
     return shortened(str(path), 300)

@@ -14,7 +14,6 @@ from tautwire.files import write_text
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.measured_page import reading_blocks
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text, Verdict
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
@@ -28,6 +27,8 @@ from tautwire.report.parts.recordings.comparison import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import listing
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import common_project, project_block
 from tautwire.results.run import Run
 from tautwire.version import __version__
 
@@ -53,10 +54,10 @@ def write_comparison_page(
         for number, (run, one) in enumerate(zip(runs, found, strict=True), 1)
         for section in _sections(run, one, "" if len(found) == 1 else str(number))
     ]
-    return write_text(path, render(contents, _masthead(found)))
+    return write_text(path, render(contents, _masthead(runs, found)))
 
 
-def _masthead(found: Sequence[MeasurementComparison]) -> dict[str, Any]:
+def _masthead(runs: Sequence[Run], found: Sequence[MeasurementComparison]) -> dict[str, Any]:
     names = list(dict.fromkeys(Path(one.label).name for one in found))
     return {
         "title": f"Measured and simulated: {listing(names)}",
@@ -66,6 +67,7 @@ def _masthead(found: Sequence[MeasurementComparison]) -> dict[str, Any]:
             "Pantographs": listing(list(dict.fromkeys(one.pantograph for one in found))),
             "Tolerances": listing(list(dict.fromkeys(outcome_of(one) for one in found))),
         },
+        "project": project_block(common_project([run.case for run in runs])),
         "version": __version__,
         "case_hash": listing(list(dict.fromkeys(one.coverage.case_hash[:12] for one in found))),
     }

@@ -9,7 +9,6 @@ from typing import Any
 from tautwire.files import write_text
 from tautwire.measured.evaluation import Evaluation
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.recordings.measured import (
     COUNTED,
@@ -21,6 +20,7 @@ from tautwire.report.parts.recordings.measured import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import number
+from tautwire.report.writers.html import render
 from tautwire.version import __version__
 
 

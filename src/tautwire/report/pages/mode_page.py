@@ -16,10 +16,11 @@ from tautwire.analyses.vibration.wavelengths import (
 )
 from tautwire.files import write_text
 from tautwire.report.figures.mode_figures import mode_figure, mode_spectrum_figure, spectrum_figure
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Heading, Section, Table, Text
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import number
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.modes import Modes
 from tautwire.specs.case import Case
@@ -69,6 +70,7 @@ def _masthead(case: Case, found: Modes) -> dict[str, Any]:
         "title": f"{case.title or case.name}: modes",
         "description": "",
         "facts": facts,
+        "project": project_block(case.project),
         "version": __version__,
         "case_hash": case.hash()[:12],
     }

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from tautwire.analyses.vibration.space_time import wire_velocity
 from tautwire.errors import InputError
 from tautwire.report.figures import force_figures, line_figures, loss_figures, mode_figures
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts import sections
 from tautwire.report.parts.views import RunView, prepare
+from tautwire.report.writers.html import render
 from tautwire.results.run import Run
 
 if TYPE_CHECKING:

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import os
-import re
 from collections.abc import Callable, Sequence
-from importlib.resources import files
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +11,16 @@ from tautwire.assessment.checks import Criteria
 from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.report.parts import sections
-from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
 from tautwire.report.parts.conditions import conditions_section
 from tautwire.report.parts.losses import loss_section
 from tautwire.report.parts.summary import summary_section
 from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import common_project, project_block
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
+from tautwire.specs.project import Project
 from tautwire.text import DESIGN
 
 
@@ -35,6 +32,7 @@ def write_report(
     labels: Sequence[str] | None = None,
     title: str | None = None,
     criteria: Criteria | None = None,
+    project: Project | None = None,
 ) -> Path:
     """Write the report of one run, or of several runs overlaid, as a single HTML file.
 
@@ -56,6 +54,8 @@ def write_report(
     criteria : Criteria, optional
         What the runs are judged by: supply system, free space for uplift, own limits; by default
         AC, the uplift not judged, the limits of the package.
+    project : Project, optional
+        Project block of the page; by default that of the cases, where they agree.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def write_report(
         conditions_section(views),
         sections.animation_section(views),
     ]
-    return write_text(path, render(contents, _masthead(views, title)))
+    return write_text(path, render(contents, _masthead(views, title, project)))
 
 
 def _matched(
@@ -106,7 +106,9 @@ def _matched(
     return given + [None] * (runs - len(given))
 
 
-def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
+def _masthead(
+    views: Sequence[RunView], title: str | None, project: Project | None
+) -> dict[str, Any]:
     """Return heading, description and key facts of the page."""
     first = views[0].run.case
     own_title = first.title or first.name
@@ -132,6 +134,7 @@ def _masthead(views: Sequence[RunView], title: str | None) -> dict[str, Any]:
     return {
         "title": title or (heading if many else own_title),
         "description": "" if many else first.description.strip(),
+        "project": project_block(project or common_project([view.run.case for view in views])),
         "facts": facts,
         "version": _each(views, lambda view: str(view.run.provenance.get("version", ""))),
         "case_hash": _each(views, lambda view: view.run.case.hash()[:12]),
@@ -159,65 +162,3 @@ def _line_in_words(view: RunView) -> str:
 def _section_in_words(view: RunView) -> str:
     section = view.statistics.section
     return f"spans {section.first_span} to {section.last_span}"
-
-
-def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
-    """Return a whole page: the template with its scripts, filled.
-
-    Parameters
-    ----------
-    contents : sequence of Section
-    masthead : dict
-        Heading, description and key facts.
-    """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-    from plotly.offline import get_plotlyjs
-
-    environment = Environment(
-        loader=PackageLoader("tautwire.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    folder = files("tautwire.report").joinpath("templates")
-    own = {
-        name: folder.joinpath(name).read_text(encoding="utf-8")
-        for name in ("style.css", "figures.js", "animation.js")
-    }
-    kinds = {type(block) for part in contents for block in part.blocks}
-    scripts = []
-    if kinds & {Chart, Pair}:
-        scripts += [without_addresses(get_plotlyjs()), own["figures.js"]]
-    if Animation in kinds:
-        scripts.append(own["animation.js"])
-    return environment.get_template("page.html.j2").render(
-        sections=contents,
-        style=own["style.css"],
-        scripts=scripts,
-        script_hashes=[script_hash(script) for script in scripts],
-        figure_number=count(1).__next__,
-        **masthead,
-    )
-
-
-def script_hash(script: str) -> str:
-    """Return the source expression that allows one script: CSP Level 3, section 2.3.1.
-
-    A browser runs the scripts of the page that have a hash in its policy and no others, so that a
-    text which slipped through as HTML stays without effect.
-    """
-    digest = hashlib.sha256(script.encode()).digest()
-    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
-
-
-def without_addresses(script: str) -> str:
-    """Empty the web addresses in the strings of a script.
-
-    The chart library carries addresses of map servers and services that no chart of the report
-    uses. The page's security policy forbids to reach them; with the addresses gone, nothing on
-    the page refers to another machine. Names of XML vocabularies, which are not addresses to be
-    reached, and licence texts in comments stay. Line ends become those that a browser hashes.
-    """
-    quoted = re.sub(r"(?<=[\"'`])https?://(?!www\.w3\.org/)", "offline:", script)
-    return quoted.replace("</script", "<\\/script").replace("\r\n", "\n").replace("\r", "\n")

@@ -12,7 +12,6 @@ import numpy as np
 
 from tautwire.files import write_text
 from tautwire.report.figures.study_figures import readable_axis, usual_figures
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import (
     Callout,
     Cell,
@@ -26,7 +25,10 @@ from tautwire.report.parts.blocks import (
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.parts.words import counted, listing, number
+from tautwire.report.writers.html import render
+from tautwire.report.writers.project import project_block
 from tautwire.signals.filters import SharpLowpass
+from tautwire.specs.project import Project
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import Alike, StudyTable
 from tautwire.text import MARK, marked
@@ -43,6 +45,7 @@ def write_study_report(
     table: StudyTable,
     path: str | os.PathLike[str],
     facts: Mapping[str, str] | None = None,
+    project: Project | None = None,
 ) -> Path:
     """Write the report of a study as a single HTML file, completely or not at all.
 
@@ -53,6 +56,8 @@ def write_study_report(
         File to write.
     facts
         Further facts for the head of the page, such as what computed it.
+    project
+        Project block of the page.
 
     Returns
     -------
@@ -65,7 +70,9 @@ def write_study_report(
         When the file cannot be written.
     """
     contents = [_summary(table), _figures(table), _rows(table), _definition(table)]
-    return write_text(path, render(contents, _masthead(table, facts or {})))
+    head = _masthead(table, facts or {})
+    head["project"] = project_block(project or Project())
+    return write_text(path, render(contents, head))
 
 
 def _masthead(table: StudyTable, facts: Mapping[str, str]) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import (
     Callout,
     Cell,
@@ -18,6 +17,7 @@ from tautwire.report.parts.blocks import (
     Verdict,
 )
 from tautwire.report.parts.words import MISSING, number
+from tautwire.report.writers.html import render
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.claims import (
     CONDITIONAL,

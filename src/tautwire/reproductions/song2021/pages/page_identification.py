@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tautwire.files import write_text
-from tautwire.report.pages.run_page import render
 from tautwire.report.parts.blocks import Section, Table, Text
 from tautwire.report.parts.words import number
+from tautwire.report.writers.html import render
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.reproduction import Identification
 from tautwire.reproductions.song2021.sections.identification import (
