@@ -301,7 +301,7 @@ def test_records_of_others_are_not_quoted(tmp_path: Path) -> None:
 def test_name_too_long(suffix: str, tmp_path: Path) -> None:
     """A name of 300 characters is answered with a shorter name as the cure, in a short message."""
     (told,) = refused(str(tmp_path / ("x" * 5000 + suffix)))
-    assert len(told) < 600
+    assert len(told) < 400
     if suffix:
         assert told.endswith("cannot be read (File name too long); choose a shorter name")
 

@@ -152,7 +152,7 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
         close = did_you_mean(str(reference), [*_library_names(), *neighbours(path)])
         raise InputError(
             f"{named(str(reference))}: there is no such case in the library and no such file"
-            f"{close}; the library holds: {', '.join(_library_names())}"
+            f"{close}; 'tautwire cases' lists the library"
         )
     content = parse_document(read_case_text(path), named(path), path.suffix)
     return Document(named(path), os.path.realpath(path), path.parent, content)
