@@ -161,7 +161,7 @@ def _given(case: Case) -> dict[str, float | None]:
 
 
 def _row(key: str, name: str, value: float, estimate: float, **more: Any) -> DesignCheck:
-    told = {"place": "", "unit": "1", "formula": ""} | more
+    told: dict[str, Any] = {"place": "", "unit": "1", "formula": ""} | more
     return DesignCheck(key, name, value=value, estimate=estimate, **told)
 
 
