@@ -95,6 +95,7 @@ _PURPOSE = {
     "elasticity.csv": "elasticity",
     "supports.csv": "forces on supports",
     "installation.csv": "installation table",
+    "lateral.csv": "lateral position",
     "conditions.csv": "conditions",
     "conditions.html": "page of the conditions",
     "force.csv": "force history",
