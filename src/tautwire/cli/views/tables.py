@@ -86,6 +86,7 @@ def files_written(written: dict[str, str]) -> Table:
 
 _PURPOSE = {
     "report.html": "report",
+    "report.pdf": "report to print",
     "run.nc": "histories",
     "static.nc": "static state",
     "results.json": "results",
