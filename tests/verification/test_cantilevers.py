@@ -1,4 +1,4 @@
-"""Cantilevers that turn take their share of the tension: closed form, both signs, nothing, table."""
+"""Cantilevers that turn take their share of the tension: closed form, both signs, nothing."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_zigzag_cancels_on_straight_track() -> None:
 
 
 def test_cantilevers_take_the_wire_towards_the_mast() -> None:
-    """A cantilever that has turned by u/d holds the wire nearer to its mast by d - sqrt(d^2 - u^2)."""
+    """A cantilever turned by u/d holds the wire nearer to its mast by d - sqrt(d^2 - u^2)."""
     (shape,) = states(half_length(-ARM))[1].values()
     (free,) = states(half_length(None))[1].values()
     at_mast = [int(np.abs(free.contact.s - SPAN * n).argmin()) for n in (6, 11)]
