@@ -353,11 +353,11 @@ def check_forces(scenario: Scenario, pantographs: Sequence[Pantograph]) -> list[
         problems += [
             Problem(
                 ("pantographs", index, "static_force"),
-                f"the uplift force is {pantograph.uplift_force(scenario.speed):g} N; give "
+                f"the uplift force is {pantograph.uplift_force(scenario.air):g} N; give "
                 "static_force (for example '70 N'), scenario.mean_force or scenario.uplift_force",
             )
             for index, pantograph in enumerate(pantographs)
-            if pantograph.uplift_force(scenario.speed) <= 0.0
+            if pantograph.uplift_force(scenario.air) <= 0.0
         ]
     target = scenario.target_mean_force()
     if target is not None and target <= 0.0:
