@@ -17,7 +17,7 @@ from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.model.preflight import Advice, preflight
-from tautwire.model.resolution import size
+from tautwire.model.resolution import Size, size
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -32,7 +32,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     announce_workbook(answer, reference)
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
-    quantities, advice = wave_quantities(case), _advice(case)
+    quantities, advice, amount = wave_quantities(case), _advice(case), size(case)
     answer.document.update(
         {
             "case": case.name,
@@ -43,7 +43,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "advice": [item.as_dict() for item in advice],
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
-            "size": size(case).as_dict(),
+            "size": amount.as_dict(),
             "taken_over": _taken_over(case),
         }
     )
@@ -52,7 +52,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
         answer.document["valid"] = False
         answer.fail("model", refused, REFUSED)
         return
-    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
+    answer.show(heading(case.title or case.name, "input accepted"), _summary(case, amount))
     answer.show(heading("Wave quantities"), _wave_table(quantities))
     answer.show(heading("Advice"), *_advice_view(advice))
     for template, paths in _taken_over(case).items():
@@ -82,8 +82,8 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
     return taken
 
 
-def _summary(case: Case) -> Any:
-    amount, (first, last) = size(case), case.resolved_section()
+def _summary(case: Case, amount: Size) -> Any:
+    first, last = case.resolved_section()
     target, scenario = case.scenario.target_mean_force(), case.scenario
     forces = ", ".join(f"{force:.1f} N" for force in case.uplift_forces())
     return facts(
