@@ -21,7 +21,7 @@ from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.track import check_track
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
-from tautwire.specs.requirements import check_requirements
+from tautwire.specs.requirements import check_gauge, check_requirements
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 
@@ -477,6 +477,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "tension_lengths", "conditions"), check_places),
     (("conditions", "wires", "scenario"), check_slowed_waves),
     (("line", "requirements"), check_requirements),
+    (("requirements", "conditions", "wires", "droppers"), check_gauge),
 )
 """Every check with the parts of the case it needs, so that it can run when others are invalid."""
 
