@@ -39,6 +39,7 @@ def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
         "messenger_stagger",
         "arm_end_y",
         "arm_end_z",
+        "type",
     )
     problems = [
         Problem(
