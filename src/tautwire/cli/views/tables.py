@@ -86,6 +86,7 @@ def files_written(written: dict[str, str]) -> Table:
 
 _PURPOSE = {
     "report.html": "report",
+    "report.pdf": "report to print",
     "run.nc": "histories",
     "static.nc": "static state",
     "results.json": "results",
@@ -94,6 +95,7 @@ _PURPOSE = {
     "elasticity.csv": "elasticity",
     "supports.csv": "forces on supports",
     "installation.csv": "installation table",
+    "design.csv": "checks of the design",
     "lateral.csv": "lateral position",
     "conditions.csv": "conditions",
     "conditions.html": "page of the conditions",

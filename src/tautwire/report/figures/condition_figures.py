@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.assessment.lateral import LateralCheck
+from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.report.figures import style
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
