@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -289,7 +288,6 @@ class Supports(Spec):
         return _alternating(self.messenger_stagger, supports)
 
 
-@lru_cache(maxsize=256)
 def _as_type(supports: Supports, one: SupportType) -> Supports:
     own = {name: value for name in type(one).model_fields
            if name != "name" and (value := getattr(one, name)) is not None}  # fmt: skip
