@@ -35,7 +35,11 @@ from tautwire.report.pages.conditions_page import ConditionsPage, write_conditio
 from tautwire.report.parts.condition_words import conditions_csv
 from tautwire.report.parts.design.check_words import checks_csv
 from tautwire.report.parts.design.lateral_words import lateral_csv
-from tautwire.report.parts.design.mast_words import installation_csv, supports_csv
+from tautwire.report.parts.design.mast_words import (
+    installation_csv,
+    supports_csv,
+    tensions_csv,
+)
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -197,6 +201,8 @@ def _show_design(answer: Answer, design: _Design) -> None:
 def _write_design(files: Files, case: Case, design: _Design) -> None:
     masts, lateral, states = design.masts, design.lateral, design.states
     files.write("supports.csv", lambda path: write_text(path, supports_csv(masts)))
+    if len(states) > 1:
+        files.write("tensions.csv", lambda path: write_text(path, tensions_csv(masts)))
     if masts.installation:
         files.write("installation.csv", lambda path: write_text(path, installation_csv(masts)))
     if lateral is not None:

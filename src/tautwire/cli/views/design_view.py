@@ -14,10 +14,12 @@ from tautwire.report.parts.design.lateral_words import ALIGN, HEAD, lateral_rows
 from tautwire.report.parts.design.mast_words import (
     CLEARANCE_HEAD,
     FORCE_HEAD,
+    TENSION_HEAD,
     clearance_rows,
     force_rows,
     installation_head,
     installation_rows,
+    tension_rows,
 )
 
 MOST_COLUMNS = 5
@@ -42,6 +44,9 @@ def masts_view(masts: Masts, contact: tuple[str, ...]) -> Iterator[Any]:
         yield heading("Installation", "mm from the design; weights upwards")
         rows = installation_rows(masts, chosen, contact)
         yield table(installation_head(masts, chosen), "rL" + "r" * len(rows[0][2:]), rows)
+    if states > 1:
+        yield heading("Tension along the line", "means of the outermost spans, and the least span")
+        yield table(TENSION_HEAD, "LLrrrr", tension_rows(masts))
     if any(one.clearances for one in masts.states):
         yield heading("Structures", "distance to the lifted wire, least of all states")
         yield table(CLEARANCE_HEAD, "LLLrrrl", clearance_rows(masts))

@@ -94,6 +94,7 @@ _PURPOSE = {
     "droppers.csv": "dropper table",
     "elasticity.csv": "elasticity",
     "supports.csv": "forces on supports",
+    "tensions.csv": "tension along the line",
     "installation.csv": "installation table",
     "design.csv": "checks of the design",
     "lateral.csv": "lateral position",

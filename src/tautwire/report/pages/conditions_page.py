@@ -13,6 +13,7 @@ from tautwire.assessment.design.checks import DesignCheck
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
+from tautwire.report.figures import design_figures
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
 from tautwire.report.parts.design import check_words
@@ -26,10 +27,12 @@ from tautwire.report.parts.design.lateral_words import (
 from tautwire.report.parts.design.mast_words import (
     CLEARANCE_HEAD,
     FORCE_HEAD,
+    TENSION_HEAD,
     clearance_rows,
     force_rows,
     installation_head,
     installation_rows,
+    tension_rows,
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.writers.html import render
@@ -170,6 +173,18 @@ def _supports(masts: Masts) -> Section:
                 tuple(installation_rows(masts, slice(None))),
             )
         )
+        offsets = "Place of the cantilevers along the track from that in the design."
+        blocks.append(chart("offsets", design_figures.offset_figure(masts), offsets, offsets))
+    profile = "Tension of the wires along the line, one curve per wire and condition."
+    blocks += [
+        chart("tension", design_figures.tension_figure(masts), profile, profile),
+        Table(
+            "Mean tension of the wires in their outermost spans and in the span with least.",
+            TENSION_HEAD,
+            "llrrrr",
+            tuple(tension_rows(masts)),
+        ),
+    ]
     if any(one.clearances for one in masts.states):
         blocks.append(
             Table(
@@ -193,7 +208,7 @@ def _lateral(check: LateralCheck) -> Section:
         )
         blocks += [
             Text(f"Worst place: {worst_place(check)}.", "statement"),
-            chart("blown", figures.blown_figure(check), caption, caption),
+            chart("blown", design_figures.blown_figure(check), caption, caption),
             Table(EXPLAINED, HEAD, ALIGN, tuple(lateral_rows(check.worst))),
         ]
     blocks += [Text(note, "note") for note in check.notes]

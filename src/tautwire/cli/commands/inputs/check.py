@@ -21,7 +21,7 @@ from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.model.preflight import Advice, preflight
-from tautwire.model.resolution import size
+from tautwire.model.resolution import Size, size
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -37,7 +37,8 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
     known_gauge(case.requirements.gauge)
-    quantities, (advice, design) = wave_quantities(case), _examined(case)
+    quantities, amount = wave_quantities(case), size(case)
+    advice, design = _examined(case)
     answer.document.update(
         {
             "case": case.name,
@@ -48,7 +49,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "advice": [item.as_dict() for item in advice],
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
-            "size": size(case).as_dict(),
+            "size": amount.as_dict(),
             "design_checks": [one.as_dict() for one in design],
             "taken_over": _taken_over(case),
         }
@@ -58,7 +59,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
         answer.document["valid"] = False
         answer.fail("model", refused, REFUSED)
         return
-    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
+    answer.show(heading(case.title or case.name, "input accepted"), _summary(case, amount))
     answer.show(heading("Wave quantities"), _wave_table(quantities))
     answer.show(*checks_view(design))
     answer.show(heading("Advice"), *_advice_view(advice))
@@ -100,8 +101,8 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
     return taken
 
 
-def _summary(case: Case) -> Any:
-    amount, (first, last) = size(case), case.resolved_section()
+def _summary(case: Case, amount: Size) -> Any:
+    first, last = case.resolved_section()
     target, scenario = case.scenario.target_mean_force(), case.scenario
     forces = ", ".join(f"{force:.1f} N" for force in case.uplift_forces())
     return facts(
