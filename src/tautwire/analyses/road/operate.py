@@ -165,9 +165,11 @@ def _design_pull(design: Equilibrium, end: WireEnd) -> float:
 
 
 def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
-    """Let everything that holds the wires swing along the track, but for their ends."""
+    """Let everything that holds the wires swing along the track, but for ends and fixed points."""
     tangent = model.mesh.frames.axes[:, 0].copy()
     tangent[[end.node for end in ends]] = 0.0
+    pieces = (*model.line.registrations, *model.line.suspensions)
+    tangent[model.mesh.nodes(piece.at for piece in pieces if piece.is_fixed_along)] = 0.0
     return Swing(tangent[system.stays.node], tangent[system.grounds.node])
 
 
