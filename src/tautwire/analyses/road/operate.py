@@ -24,7 +24,7 @@ from tautwire.model.operation.devices import (
     next_state,
 )
 from tautwire.model.operation.weather import in_weather, reweighed
-from tautwire.numerics.network.parts import Grounds
+from tautwire.numerics.network.parts import BOTH_WAYS, Grounds
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.numerics.statics.given_lengths import Settled, Swing, settle
 from tautwire.results.equilibrium import Equilibrium, Operated
@@ -263,7 +263,8 @@ def _arms(
         frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
     )
     axial = stays.axial_force(stays.state(system.position).length)
-    rows = {int(node): row for row, node in enumerate(stays.node)}
+    arms = np.flatnonzero(stays.law == BOTH_WAYS)
+    rows = {int(stays.node[row]): int(row) for row in arms}
     bare = system.with_(grounds=Grounds.none())
     missing = internal_force(bare, system.position).nodal - system.load
     lateral = frames.components(missing.reshape(-1, 6)[nodes, :3])[:, 1]
