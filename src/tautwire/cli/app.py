@@ -17,6 +17,7 @@ from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
+    ErrorOption,
     ForceOption,
     FreeUpliftOption,
     JsonOption,
@@ -26,6 +27,7 @@ from tautwire.cli.options import (
     SetOption,
     SystemOption,
     with_condition,
+    with_error,
 )
 from tautwire.cli.session import FAILED, REFUSED, answering, open_closed_streams
 
@@ -204,6 +206,7 @@ def run(
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
     project: ProjectOption = None,
+    error: ErrorOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -216,9 +219,8 @@ def run(
         from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
         asked = criteria_of(system, free_uplift, limits)
-        request = RunRequest(
-            case, with_condition(overrides, condition), out, asked, not no_report, force, project
-        )
+        values = with_error(with_condition(overrides, condition), error)
+        request = RunRequest(case, values, out, asked, not no_report, force, project)
         run_passage(answer, request)
 
 

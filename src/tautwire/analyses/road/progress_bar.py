@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[int, Progress], bool]]:
+def progress_bar() -> Iterator[Callable[[int | str, Progress], bool]]:
     """Show each passage of a run as a bar, on a terminal and in a notebook, while it is computed.
 
     Yields
