@@ -9,7 +9,7 @@ import pytest
 
 from tautwire.analyses.design.lateral import lateral_sweep
 from tautwire.analyses.road.shape import find_design
-from tautwire.assessment.lateral import LateralCheck, lateral_check
+from tautwire.assessment.design.lateral import LateralCheck, lateral_check
 from tautwire.errors import InputError
 from tautwire.formulas.lateral import Blown, lateral_position
 from tautwire.inputs.load import make_case

@@ -21,6 +21,7 @@ from tautwire.specs.conditions.checks import missing_numbers
 from tautwire.specs.conditions.condition import Condition, CrossWind
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.support import Height
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.span_table import HeadRule, Lateral
 
@@ -120,6 +121,24 @@ class Requirements(Spec):
     )
     gauge: Gauge | None = Field(
         default=None, description="Lateral position that the contact wire has to keep in wind."
+    )
+    heights: tuple[Height, Height] | None = Field(
+        default=None,
+        description="Least and largest height of the contact wire at rest in all conditions, in "
+        "place of the limits of the package.",
+    )
+    shortest_dropper: (
+        Annotated[float, Quantity("m", ge=0.0, le=5.0, typical="0.25 to 0.5 m")] | None
+    ) = Field(default=None, description="Shortest dropper, in place of the limit of the package.")
+    tension_share: Annotated[float, Quantity("", gt=0.0, le=1.0, typical="0.5 to 0.65")] | None = (
+        Field(
+            default=None,
+            description="Largest tension over the breaking load that wear leaves, in place of the "
+            "limit of the package.",
+        )
+    )
+    uplift_space: Annotated[float, Quantity("m", gt=0.0, le=1.0, typical="120 mm")] | None = Field(
+        default=None, description="Free space for uplift at the supports."
     )
     structures: tuple[Structure, ...] = Field(
         default=(), description="Structures over the line, to which the wires keep a distance."

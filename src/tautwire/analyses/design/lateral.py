@@ -22,9 +22,6 @@ from tautwire.specs.requirements import Gauge
 
 Array = NDArray[np.float64]
 
-_STRAIGHT = 1e-9
-"""Curvature below which a track is straight [1/m]."""
-
 
 def lateral_sweep(model: Model, design: Equilibrium, gauge: Gauge) -> LateralSweep:
     """Find the line under wind from the right and from the left.
@@ -56,7 +53,7 @@ def lateral_sweep(model: Model, design: Equilibrium, gauge: Gauge) -> LateralSwe
         masts=design.mast_x,
         position=position,
         height=height,
-        radius=_radius(_curvature(model, x)),
+        radius=_radius(model.line.track.plan_curvature(x)),
         cant=_cant(model, x),
         alone=estimates[:, 0],
         together=estimates[:, 1],
@@ -96,14 +93,6 @@ def _state(
         return None, str(error).replace(f"condition {condition.name!r}: ", "")
 
 
-def _curvature(model: Model, x: Array) -> Array:
-    """Return the curvature of the track in plan, positive to the left, ``(n,)`` [1/m]."""
-    t = model.line.track.frames(x).axes[:, 0]
-    level = np.stack([-t[:, 1], t[:, 0], np.zeros(len(t))], axis=1)
-    turning = np.sum(model.line.track.bending(x) * level, axis=1)
-    return np.where(np.abs(turning) < _STRAIGHT, 0.0, turning)
-
-
 def _radius(curvature: Array) -> Array:
     bends = curvature != 0.0
     return np.where(bends, 1.0 / np.abs(np.where(bends, curvature, 1.0)), np.inf)
@@ -116,7 +105,7 @@ def _cant(model: Model, x: Array) -> Array:
     """
     case = model.case
     width, speed = case.track.rail_distance, case.scenario.speed
-    curvature = _curvature(model, x)
+    curvature = model.line.track.plan_curvature(x)
     lean = -width * model.line.track.frames(x).axes[:, 1, 2]
     cant = np.where(curvature < 0.0, -lean, lean)
     wanted = width * speed**2 / case.line.gravity * np.abs(curvature)
@@ -158,7 +147,7 @@ def _estimate(
     held |= {end.s: end.y for end in (group[0].start, group[0].end)}
     if not all(s in held for s in ends):
         return float("nan")
-    curvature = float(_curvature(model, np.array([0.5 * (ends[0] + ends[1])]))[0])
+    curvature = float(model.line.track.plan_curvature(0.5 * (ends[0] + ends[1])))
     inwards = 1.0 if curvature > 0.0 else -1.0  # sign of y on the inside; on straight track right
     wire = Blown(
         sum(_tension(run, condition) for run in group),

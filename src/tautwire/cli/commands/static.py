@@ -13,7 +13,8 @@ from tautwire.analyses.design.masts import Masts, masts_of
 from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
-from tautwire.assessment.lateral import LateralCheck, known_gauge, lateral_check
+from tautwire.assessment.design.checks import DesignCheck, design_checks
+from tautwire.assessment.design.lateral import LateralCheck, known_gauge, lateral_check
 from tautwire.cli.about import backend, program
 from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
@@ -32,8 +33,13 @@ from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.pages.conditions_page import ConditionsPage, write_conditions_page
 from tautwire.report.parts.condition_words import conditions_csv
+from tautwire.report.parts.design.check_words import checks_csv
 from tautwire.report.parts.design.lateral_words import lateral_csv
-from tautwire.report.parts.design.mast_words import installation_csv, supports_csv
+from tautwire.report.parts.design.mast_words import (
+    installation_csv,
+    supports_csv,
+    tensions_csv,
+)
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -165,6 +171,7 @@ class _Design:
     states: tuple[ConditionState, ...]
     masts: Masts
     lateral: LateralCheck | None
+    checks: tuple[DesignCheck, ...]
 
     @property
     def has_faults(self) -> bool:
@@ -176,7 +183,7 @@ def _design(model: Model, shape: Equilibrium, states: tuple[ConditionState, ...]
     gauge, lateral = model.case.requirements.gauge, None
     if gauge is not None and shape.operated is None:
         lateral = lateral_check(lateral_sweep(model, shape, gauge), gauge)
-    return _Design(states, masts_of(model, states), lateral)
+    return _Design(states, masts_of(model, states), lateral, design_checks(model, states))
 
 
 def _show_design(answer: Answer, design: _Design) -> None:
@@ -188,19 +195,24 @@ def _show_design(answer: Answer, design: _Design) -> None:
     if design.lateral is not None:
         answer.document["lateral"] = design.lateral.as_dict()
         answer.show(*lateral_view(design.lateral))
+    answer.document["design_checks"] = [one.as_dict() for one in design.checks]
 
 
 def _write_design(files: Files, case: Case, design: _Design) -> None:
     masts, lateral, states = design.masts, design.lateral, design.states
     files.write("supports.csv", lambda path: write_text(path, supports_csv(masts)))
+    if len(states) > 1:
+        files.write("tensions.csv", lambda path: write_text(path, tensions_csv(masts)))
     if masts.installation:
         files.write("installation.csv", lambda path: write_text(path, installation_csv(masts)))
     if lateral is not None:
         files.write("lateral.csv", lambda path: write_text(path, lateral_csv(lateral)))
+    if design.checks:
+        files.write("design.csv", lambda path: write_text(path, checks_csv(design.checks)))
     if len(states) > 1:
         files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
     if len(states) > 1 or lateral is not None:
-        page = ConditionsPage(case, states, masts, lateral)
+        page = ConditionsPage(case, states, masts, lateral, design.checks)
         files.write("conditions.html", lambda path: write_conditions_page(page, path))
 
 

@@ -163,33 +163,36 @@ class _FormFinder:
         return np.where(self.problem.held, 0.0, r)
 
     def direction(self, x: Array, r: Array) -> Array | None:
-        from scipy.linalg import LinAlgError, solve_banded
+        from scipy.linalg.lapack import dgbsv  # pyright: ignore[reportAttributeAccessIssue]
 
-        system = self.unpack(x)
         width = self.pattern.bandwidth
-        band = self.bordered_band(system, width)
-        try:
-            step = solve_banded((width, width), band, -r, check_finite=False)
-        except LinAlgError:
-            return None
-        return self.pack_step(step)
+        band = self.bordered_band(self.unpack(x))
+        _, _, step, info = dgbsv(width, width, band, -r, overwrite_ab=True, overwrite_b=True)
+        return None if info else self.pack_step(step)
 
-    def bordered_band(self, system: System, width: int) -> Array:
-        """Return the tangent with length columns in general banded storage."""
+    def bordered_band(self, system: System) -> Array:
+        """Return the tangent with length columns as LAPACK factorises it.
+
+        Returns
+        -------
+        (3 * bandwidth + 1, n_dof)
+            General banded storage, column by column; the first ``bandwidth`` rows are room for the
+            factor.
+        """
+        held, width = self.problem.held, self.pattern.bandwidth
         parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
         matrix = self.pattern.csr(self.pattern.values(parts))
         matrix = (self.turning @ matrix @ self.turning.T).tocoo()
-        kept = ~(self.problem.held | self.replaced)[matrix.col]
+        kept = ~(held[matrix.row] | (held | self.replaced)[matrix.col])
         blocks = [(matrix.row[kept], matrix.col[kept], matrix.data[kept])]
         blocks += [self.cable_columns(system), self.tie_columns(system), self.joint_columns()]
-        rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
-        keep = ~self.problem.held[rows]
-        flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
-        height = 2 * width + 1
-        band = np.bincount(flat, weights=values[keep], minlength=height * self.n_dof)
-        band = band.reshape(height, self.n_dof)
-        band[width, self.problem.held & ~self.replaced] += 1.0
-        return band
+        band = np.zeros((self.n_dof, 3 * width + 1))
+        for rows, cols, values in blocks:
+            own = ~held[rows]
+            place = cols[own] * np.int64(3 * width) + (2 * width + rows[own])
+            band.reshape(-1)[place] = values[own]  # no other entry goes there
+        band[held & ~self.replaced, 2 * width] += 1.0
+        return band.T
 
     def cable_columns(self, system: System) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dL0 of the wire elements."""

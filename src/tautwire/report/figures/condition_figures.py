@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.assessment.lateral import LateralCheck
 from tautwire.report.figures import style
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
@@ -114,40 +113,5 @@ def travel_figure(states: Sequence[ConditionState]) -> go.Figure:
         )
     figure.update_layout(
         xaxis=style.axis("temperature [°C]"), yaxis=style.axis("travel of the end [mm]")
-    )
-    return style.fit_legend(figure)
-
-
-def blown_figure(check: LateralCheck) -> go.Figure:
-    """Draw where the contact wires stand under wind from either side, to the left positive."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=64))
-    sweep, given = check.sweep, check.places[0].given if check.places else 0.0
-    for row, sign in enumerate((1.0, -1.0)):
-        curves = (
-            (f"wind towards the {('left', 'right')[row]}", sweep.position[row], style.look(row)),
-            (f"permissible, {('left', 'right')[row]}", check.permissible[row] - given, None),
-        )
-        for name, values, look in curves:
-            for wire in range(len(sweep.wire_names)):
-                own = sweep.wire == wire
-                line = (
-                    {"color": style.SOFT, "width": 1.0}
-                    if look is None
-                    else {"color": look.colour, "width": 1.5, "dash": look.dash}
-                )
-                figure.add_scatter(
-                    x=sweep.x[own].astype(np.float32),
-                    y=(1e3 * sign * values[own]).astype(np.float32),
-                    name=name,
-                    legendgroup=name,
-                    showlegend=wire == 0,
-                    mode="lines",
-                    line=line,
-                    hovertemplate="%{y:.0f} mm",
-                )
-    figure.update_layout(
-        xaxis=style.axis("position along the track [m]"), yaxis=style.axis("lateral position [mm]")
     )
     return style.fit_legend(figure)

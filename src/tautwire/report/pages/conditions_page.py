@@ -9,11 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.analyses.design.masts import Masts
-from tautwire.assessment.lateral import LateralCheck
+from tautwire.assessment.design.checks import DesignCheck
+from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
+from tautwire.report.figures import design_figures
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
+from tautwire.report.parts.design import check_words
 from tautwire.report.parts.design.lateral_words import (
     ALIGN,
     EXPLAINED,
@@ -24,10 +27,12 @@ from tautwire.report.parts.design.lateral_words import (
 from tautwire.report.parts.design.mast_words import (
     CLEARANCE_HEAD,
     FORCE_HEAD,
+    TENSION_HEAD,
     clearance_rows,
     force_rows,
     installation_head,
     installation_rows,
+    tension_rows,
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.writers.html import render
@@ -50,12 +55,14 @@ class ConditionsPage:
         Forces on supports and installation of these states.
     lateral : LateralCheck or None
         Lateral position under wind, where it is required.
+    checks : tuple of DesignCheck
     """
 
     case: Case
     states: Sequence[ConditionState]
     masts: Masts
     lateral: LateralCheck | None = None
+    checks: tuple[DesignCheck, ...] = ()
 
 
 def write_conditions_page(page: ConditionsPage, path: str | os.PathLike[str]) -> Path:
@@ -78,6 +85,8 @@ def write_conditions_page(page: ConditionsPage, path: str | os.PathLike[str]) ->
     contents = [_summary(case, states, possible), _ends(possible), _supports(page.masts)]
     if page.lateral is not None:
         contents.append(_lateral(page.lateral))
+    if page.checks:
+        contents.append(_checks(page.checks))
     contents.append(_figures(possible))
     return write_text(path, render(contents, _masthead(case, states)))
 
@@ -164,6 +173,18 @@ def _supports(masts: Masts) -> Section:
                 tuple(installation_rows(masts, slice(None))),
             )
         )
+        offsets = "Place of the cantilevers along the track from that in the design."
+        blocks.append(chart("offsets", design_figures.offset_figure(masts), offsets, offsets))
+    profile = "Tension of the wires along the line, one curve per wire and condition."
+    blocks += [
+        chart("tension", design_figures.tension_figure(masts), profile, profile),
+        Table(
+            "Mean tension of the wires in their outermost spans and in the span with least.",
+            TENSION_HEAD,
+            "llrrrr",
+            tuple(tension_rows(masts)),
+        ),
+    ]
     if any(one.clearances for one in masts.states):
         blocks.append(
             Table(
@@ -187,11 +208,28 @@ def _lateral(check: LateralCheck) -> Section:
         )
         blocks += [
             Text(f"Worst place: {worst_place(check)}.", "statement"),
-            chart("blown", figures.blown_figure(check), caption, caption),
+            chart("blown", design_figures.blown_figure(check), caption, caption),
             Table(EXPLAINED, HEAD, ALIGN, tuple(lateral_rows(check.worst))),
         ]
     blocks += [Text(note, "note") for note in check.notes]
     return Section("lateral", f"Lateral position: {check.wind}", tuple(blocks))
+
+
+def _checks(checks: Sequence[DesignCheck]) -> Section:
+    table = Table(
+        "This line: finite-element equilibrium of the design and all conditions; estimate: the "
+        "closed form.",
+        check_words.HEAD,
+        "lrrrl",
+        tuple(check_words.check_rows(checks)),
+    )
+    sources = Table(
+        "Where the limits come from, and whether somebody compared them with the text.",
+        ("limit", "source"),
+        "ll",
+        tuple(check_words.source_rows(checks)),
+    )
+    return Section("checks", "Checks of the design", (table, sources))
 
 
 def _figures(states: Sequence[ConditionState]) -> Section:

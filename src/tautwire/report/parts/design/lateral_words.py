@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tautwire.assessment.lateral import LateralCheck, LateralPlace
+from tautwire.assessment.design.lateral import LateralCheck, LateralPlace
 from tautwire.text import csv_text
 
 HEAD = (
