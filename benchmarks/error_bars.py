@@ -29,9 +29,6 @@ BASES = (
     "compound",
     "tram",
     "en50318-2002",
-    "adif-ca220-3kv",
-    "adif-ca220-25kv",
-    "sicat-h1",
 )
 FIGURES = ("mean", "0_20", "0_200", "maximum", "minimum", "loss", "uplift")
 HALVINGS = 2

@@ -123,9 +123,9 @@ def coarser(case: Case, *, mesh: bool = True, step: bool = True) -> Case:
 
 
 def coarser_nodes(settings: Settings, nodes: int) -> int:
-    """Return how many nodes between droppers make elements twice as long."""
+    """Return how many nodes between droppers make elements at least twice as long."""
     fewest = FEWEST_GRADED if settings.is_graded() else 2
-    return max(fewest, round((nodes - 1) / LONGER_ELEMENTS) + 1)
+    return max(fewest, int((nodes - 1) / LONGER_ELEMENTS) + 1)
 
 
 def accuracy_of(run: Run, companions: list[Run], kind: str) -> Accuracy:
