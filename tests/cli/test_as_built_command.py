@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tests.lines import AC_SIMPLE, ac_simple
-
 from tautwire.analyses.road.shape import find_shape
 from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 
+from ..lines import AC_SIMPLE, ac_simple
 from .conftest import Invoke
 
 

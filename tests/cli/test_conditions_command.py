@@ -18,6 +18,7 @@ wires:
 droppers: {diameter: 4.5 mm, thermal_expansion: 17e-6}
 settings: {section: [2, 2], nodes_between_droppers: 3, time_step: 4 ms}
 scenario: {uplift_force: 150 N}
+requirements: {gauge: {wind: {speed: 10 m/s}, permissible: 0.21 m}}
 conditions:
   - {name: cold, temperature: -20 degC, reference: 15 degC}
   - {name: broken, defects: [{kind: missing dropper, span: 2, dropper: 5}]}
@@ -64,6 +65,11 @@ def test_conditions_side_by_side(invoke: Invoke) -> None:
         rows = list(csv.DictReader(file))
     assert float(rows[-1]["cold, -20 degC [mm]"]) > 0.0
     assert "Forces on supports" in outcome.out
+    assert "worst place" in outcome.out
+    with Path("made/lateral.csv").open(encoding="utf-8") as file:
+        margins = [float(row["margin [m]"]) for row in csv.DictReader(file)]
+    assert len(margins) == 8
+    assert min(place["margin_m"] for place in document["lateral"]["places"]) < 0.02
     page = Path("made/conditions.html").read_text(encoding="utf-8")
     for text in (
         "Installation",

@@ -50,11 +50,12 @@ def test_static_for_people(invoke: Invoke) -> None:
 
 
 def test_static_files(invoke: Invoke) -> None:
-    """With ``--out`` the static state, the dropper table and the elasticity are files."""
+    """With ``--out`` the static state and its tables are files."""
     outcome = invoke(
         "static", "ac-simple", *SHORT, "--set", "settings.section=[2, 2]", "--out", "line"
     )
-    names = {"static.nc", "static.json", "droppers.csv", "elasticity.csv"}
+    tables = {"droppers.csv", "elasticity.csv", "supports.csv", "design.csv"}
+    names = {"static.nc", "static.json", *tables}
     assert outcome.code == 0
     assert {path.name for path in Path("line").iterdir()} == names
     rows = Path("line/elasticity.csv").read_text(encoding="utf-8").splitlines()

@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 import tautwire
-from tautwire.inputs.reading import line_tables
 from tautwire.specs.line.irregularity import Unevenness
 from tautwire.specs.pantograph import RoofMotion
 from tautwire.specs.schema import vocabulary
+from tautwire.tables.columns import KINDS, fields_of
 
 WORDS_OF_A_ROW = {
     "case",
@@ -62,8 +62,7 @@ def test_validation_table_is_complete(root: Path) -> None:
 def test_every_table_column_is_on_the_page(root: Path) -> None:
     """``docs/inputs.md`` names every column that a CSV table may have."""
     text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")
-    columns = (*line_tables.SUPPORT_COLUMNS, *line_tables.DROPPER_COLUMNS)
-    names = [column.name for column in columns]
+    names = [field.name for kind in KINDS for field in fields_of(kind)]
     names += [*RoofMotion.table_columns, *Unevenness.table_columns]
     assert [name for name in names if f"`{name}`" not in text] == []
 

@@ -35,7 +35,7 @@ def test_data_files_are_installed(root: Path) -> None:
     """Library cases, templates and the typing marker are part of the installed package."""
     installed = Path(tautwire.__file__).parent
     source = root / "src" / "tautwire"
-    kinds = {".yaml", ".csv", ".html", ".j2", ".js", ".css", ".typed"}
+    kinds = {".yaml", ".csv", ".html", ".j2", ".js", ".css", ".typ", ".typed"}
     data = [
         p.relative_to(source)
         for p in source.rglob("*")

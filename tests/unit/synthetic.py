@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautwire.numerics.track import Track
+from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import PantographRecord, Run, Snapshots
 from tautwire.specs.case import Case
@@ -186,7 +187,7 @@ def make_run(
         time=time,
         pantographs=records,
         support_uplift=(0.7 * np.sum(lifts, axis=0)).astype(np.float32),
-        dropper_force=np.maximum(taut, 0.0).astype(np.float32),
+        droppers=DropperHistory.of_every_sample(np.maximum(taut, 0.0)),
         snapshots=_snapshots(equilibrium, records, time),
         counters={
             "dof": 16068,

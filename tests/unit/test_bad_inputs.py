@@ -630,8 +630,8 @@ def test_contradictions_are_found_beside_faults(tmp_path: Path) -> None:
     ("name", "words"),
     [
         ("nothing.yaml", "there is no such file; check the path"),
-        ("ac-simpel", "did you mean 'ac-simple'?; the library holds: ac-simple"),
-        ("zzz", "there is no such case in the library and no such file; the library holds"),
+        ("ac-simpel", "did you mean 'ac-simple'?; 'tautwire cases' lists the library"),
+        ("zzz", "no such case in the library and no such file; 'tautwire cases' lists"),
         ("", "is a directory; give the path of a file in it"),
         ("a" * 300 + ".yaml", "cannot be read (File name too long)"),
         ("a\0b.yaml", "cannot be read"),

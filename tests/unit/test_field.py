@@ -22,6 +22,7 @@ from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.model.preflight import preflight
 from tautwire.model.resolution import resolution
 from tautwire.specs.case import Case
+from tautwire.specs.pantograph import Air
 
 PANTOGRAPH: dict[str, Any] = {
     "name": "metro",
@@ -126,7 +127,7 @@ def test_forces_on_two_stages() -> None:
     stages = [{**PANTOGRAPH["stages"][0], "force": {"constant": "5 N", "per_speed": "0.1 N/(m/s)"}},
               PANTOGRAPH["stages"][1]]  # fmt: skip
     case = case_of(pantographs=[{**PANTOGRAPH, "stages": stages}])
-    assert case.pantographs[0].stages[0].force.at(40.0) == pytest.approx(9.0)
+    assert case.pantographs[0].stages[0].force.at(Air(40.0)) == pytest.approx(9.0)
 
 
 def test_rigid_rail_is_named_first() -> None:

@@ -88,7 +88,7 @@ def test_giant_numbers_in_a_table(digits: int, tmp_path: Path) -> None:
     told = refused(written(tmp_path, "tables: {supports: s.csv}\n"))
     assert "line 3, column 'support': got '11111" in told[0]
     assert "line 3, column 'x': got" in told[1]
-    assert ("not a finite number" if digits == 400 else "cells hold plain numbers") in told[1]
+    assert "expected a length [m]" in told[1]
     assert max(map(len, told)) < 400
 
 
@@ -136,11 +136,11 @@ def test_large_tables(tmp_path: Path) -> None:
     path = written(tmp_path, "tables: {supports: s.csv}\n")
     rows = "".join(f"{i},{i}.5\n" for i in range(1, 1_200_001))
     (tmp_path / "s.csv").write_text("support,x\n" + rows)
-    assert "s.csv: has 1,200,000 rows; at most 1,001 are read" in refused(path)[0]
+    assert "s.csv: has 1,200,000 rows; at most 50,000 are read" in refused(path)[0]
     (tmp_path / "s.csv").write_text("support,x," * 1_900_000 + "\n1,1\n")
     assert "has more than 1000 columns" in refused(path)[0]
     (tmp_path / "s.csv").write_text("support,x\n1,0\n2," + "5" * 19_000_000 + "\n")
-    assert "column 'x': got '55555555" in refused(path)[0]
+    assert "is not a table (field larger" in refused(path)[0]
 
 
 def test_record_full_of_faults(tmp_path: Path) -> None:
@@ -301,7 +301,7 @@ def test_records_of_others_are_not_quoted(tmp_path: Path) -> None:
 def test_name_too_long(suffix: str, tmp_path: Path) -> None:
     """A name of 300 characters is answered with a shorter name as the cure, in a short message."""
     (told,) = refused(str(tmp_path / ("x" * 5000 + suffix)))
-    assert len(told) < 600
+    assert len(told) < 400
     if suffix:
         assert told.endswith("cannot be read (File name too long); choose a shorter name")
 

@@ -11,6 +11,7 @@ from tautwire.catalogue.entries import copy_case, list_entries, read_entry
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.paths import parse_path
+from tautwire.specs.case import Case
 
 from ..lines import droppers_of, messenger_of
 
@@ -18,7 +19,7 @@ CASES = [entry.name for entry in list_entries() if entry.kind == "case"]
 
 
 def test_what_the_library_holds() -> None:
-    """The library holds eight cases and two pantographs, each with a summary."""
+    """The library holds 18 cases and two pantographs, each with a summary."""
     assert [entry.name for entry in list_entries()] == [
         "ac-simple",
         "ac-simple-curve",
@@ -26,8 +27,18 @@ def test_what_the_library_holds() -> None:
         "ac-simple-plane",
         "ac-simple-two-pantographs",
         "ac-stitched",
+        "adif-c350",
+        "adif-c350-tr200",
+        "adif-ca160-3kv",
+        "adif-ca200-25kv",
+        "adif-ca220-25kv",
+        "adif-ca220-3kv",
+        "adif-low-bridge",
+        "compound",
         "dc-twin",
         "en50318-2002",
+        "sicat-h1",
+        "tram",
         "benchmark-2015-pantograph",
         "en50318-2002-pantograph",
     ]
@@ -90,7 +101,14 @@ def test_nothing_in_the_reference_line_is_calibrated() -> None:
     assert plane.droppers == load_case("ac-simple").droppers
 
 
+SUPPORTS_OF_A_MESSENGER = ("encumbrance", "messenger_stiffness", "messenger_damping")
 NUMBERS_OF_A_WIRE = ("tension", "mass", "axial_stiffness", "bending_stiffness")
+
+
+def _dropper_paths(case: Case) -> list[str]:
+    if isinstance(case.droppers, tuple):
+        return [f"droppers[{number + 1}]" for number in range(len(case.droppers))]
+    return ["droppers"]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -100,14 +118,18 @@ def test_numbers_have_sources(name: str) -> None:
     covered = [parse_path(source.path) for source in case.sources]
     expected = [
         *(f"wires.{name}.{key}" for name, _ in case.wires.named() for key in NUMBERS_OF_A_WIRE),
-        *(f"droppers.{key}" for key in ("positions", "presag", "stiffness", "mass")),
-        *(f"droppers.{key}" for key in ("clamp_contact", "clamp_messenger")),
-        *(f"supports.{key}" for key in ("encumbrance", "contact_stagger", "closure")),
-        *(f"supports.{key}" for key in ("messenger_stiffness", "messenger_damping")),
+        *(f"supports.{key}" for key in ("contact_stagger", "closure")),
         *(f"pantographs[{n + 1}].stages" for n in range(len(case.pantographs))),
         *("line.spans", "line.span_length", "line.damping.mass", "line.damping.stiffness"),
+        *("scenario.mean_force",) * (case.scenario.mean_force is not None),
         "settings.contact_stiffness",
     ]
+    if case.wires.messenger is not None:
+        expected += [f"supports.{key}" for key in SUPPORTS_OF_A_MESSENGER]
+    for place, one in zip(_dropper_paths(case), case.dropper_sets, strict=True):
+        keys = ["positions", "stiffness", "mass", "clamp_contact", "clamp_messenger"]
+        keys += ["presag"] * (one.presag is not None)
+        expected += [f"{place}.{key}" for key in keys]
     paths = [parse_path(path) for path in expected]
     assert not [p for p in paths if not any(p[: len(c)] == c for c in covered)]
 

@@ -73,6 +73,15 @@ def test_length_derivative_is_the_derivative_of_the_force() -> None:
     assert (np.abs(derivative - k_l) <= 1e-9 * np.abs(k_l).max(axis=(0, 1))).all()
 
 
+def test_blocks_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tangent and length derivative formed 5 elements at a time are those of all 12 at once."""
+    e, section = random_elements()
+    whole = ancf.tangent(e, section), ancf.length_derivative(e, section)
+    monkeypatch.setattr(ancf, "_BLOCK", 5)
+    assert np.array_equal(ancf.tangent(e, section), whole[0])
+    assert np.array_equal(ancf.length_derivative(e, section), whole[1])
+
+
 def test_tangent_is_symmetric() -> None:
     """The tangent of an energy is symmetric: K[ia, jb] = K[jb, ia] to 1e-12 relative."""
     e, section = random_elements()

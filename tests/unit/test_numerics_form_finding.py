@@ -25,12 +25,12 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
-def unfolded(band: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Turn general banded storage into a dense matrix."""
-    n = band.shape[1]
+def unfolded(band: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn general banded storage, with room for its factor, into a dense matrix."""
+    width, n = (len(band) - 1) // 3, band.shape[1]
     matrix = np.zeros((n, n))
     for offset in range(-width, width + 1):
-        row = band[width - offset]
+        row = band[2 * width - offset]
         matrix += np.diag(row[offset:] if offset >= 0 else row[:offset], offset)
     return matrix
 
@@ -42,9 +42,7 @@ def test_bordered_matrix_is_the_derivative_of_the_residual(variant: str) -> None
     finder = FormFinder(build(ac_simple(line__spans=2, **VARIANTS[variant])).form)
     start = finder.problem.system
     x = np.concatenate([start.position, start.cables.length, start.ties.length])
-    matrix = unfolded(
-        finder.bordered_band(finder.unpack(x), finder.pattern.bandwidth), finder.pattern.bandwidth
-    )
+    matrix = unfolded(finder.bordered_band(finder.unpack(x)))
     rng = np.random.default_rng(41)
     for _ in range(3):
         step = np.where(finder.problem.held & ~finder.replaced, 0.0, rng.normal(size=len(matrix)))

@@ -12,6 +12,7 @@ import yaml
 
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.shape import find_shape
+from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import build
@@ -57,17 +58,7 @@ def told(case: Case) -> list[str]:
     return [str(item) for item in found]
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        "ac-simple",
-        "ac-simple-plane",
-        "ac-stitched",
-        "dc-twin",
-        "ac-simple-overlap",
-        "ac-simple-curve",
-    ],
-)
+@pytest.mark.parametrize("case", [e.name for e in list_entries() if e.kind == "case"])
 def test_lines_of_the_library_are_usual(case: str) -> None:
     """Nothing is said about lines that are built like this."""
     assert told(load_case(case, {"settings.band": 20})) == []

@@ -14,6 +14,7 @@ from tautwire.analyses.force.section import analysed_section, time_in_section
 from tautwire.analyses.force.spectrum import force_spectrum
 from tautwire.analyses.force.statistics import contact_statistics, force_histogram
 from tautwire.errors import InputError
+from tautwire.results.droppers import DropperHistory
 from tautwire.results.run import Run
 from tautwire.signals.filters import Butterworth, SharpLowpass
 
@@ -183,7 +184,7 @@ def test_uneven_steps_are_resampled(wave_run: Run) -> None:
         with_record(wave_run, **{name: getattr(record, name)[keep] for name in names}),
         time=wave_run.time[keep],
         support_uplift=wave_run.support_uplift[keep],
-        dropper_force=wave_run.dropper_force[keep],
+        droppers=DropperHistory.of_every_sample(wave_run.dropper_force[keep]),
     )
     full, thin = (contact_statistics(r).pantograph().sharp for r in (wave_run, thinned))
     assert thin.standard_deviations["0_5"] == pytest.approx(full.standard_deviations["0_5"], 1e-3)
@@ -251,7 +252,9 @@ def test_dropper_range_and_slack_time(run: Run) -> None:
     column = 9 * 6 + 2
     forces[4000:4030, column] = 0.0
     forces[4100, column] = 150.0
-    droppers = contact_statistics(replace(run, dropper_force=forces)).droppers
+    droppers = contact_statistics(
+        replace(run, droppers=DropperHistory.of_every_sample(forces))
+    ).droppers
     assert droppers.span.size == 90
     row = 9 * 3 + 2
     assert (droppers.span[row], droppers.number[row]) == (7, 3)

@@ -22,6 +22,7 @@ from tautwire.model.equations import equations
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.numerics.network.system import internal_force
 from tautwire.results import layout
+from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
 from tautwire.results.storage import (
@@ -101,13 +102,14 @@ def test_equilibrium_is_read_from_a_run(run: Run, stored: Path) -> None:
         (Equilibrium, layout.EQUILIBRIUM, {"track", "operated"}),
         (Elasticity, layout.ELASTICITY, set()),
         (Snapshots, layout.SNAPSHOTS, set()),
+        (DropperHistory, layout.DROPPERS, set()),
         (PantographRecord, (*layout.PANTOGRAPH, *layout.PANTOGRAPH_SCALARS), {"name"}),
         (
             Run,
             layout.RUN,
             {
                 *("case", "equilibrium", "status", "message", "time", "pantographs"),
-                *("snapshots", "counters", "warnings", "provenance"),
+                *("droppers", "snapshots", "counters", "warnings", "provenance"),
                 *("events", "irregularities"),
             },
         ),

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.lines import AC_SIMPLE, ac_simple
 
 from tautwire.analyses.road.shape import find_design
 from tautwire.analyses.survey.as_built import as_built
@@ -19,6 +18,8 @@ from tautwire.errors import InputError
 from tautwire.measured.survey import Reading, Survey
 from tautwire.model.build import build
 from tautwire.specs.case import Case
+
+from ..lines import AC_SIMPLE, ac_simple
 
 Array = NDArray[np.float64]
 

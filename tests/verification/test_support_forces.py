@@ -9,7 +9,7 @@ import pytest
 
 from tautwire.analyses.design.masts import Masts, masts_of
 from tautwire.analyses.design.supports import support_forces, totals
-from tautwire.analyses.road.conditions import compare_conditions
+from tautwire.analyses.road.conditions import examine
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.road.shape import find_design
 from tautwire.errors import InputError
@@ -28,7 +28,9 @@ PRESSURE = 0.5 * 1.25 * 15.0**2
 def masts(case: Case) -> Masts:
     """Return forces and installation of the design and all conditions of a case."""
     model = build(case)
-    return masts_of(model, compare_conditions(model, find_design(model), with_elasticity=False))
+    design = find_design(model)
+    names = (None, *(one.name for one in case.conditions))
+    return masts_of(model, [examine(model, design, name, with_elasticity=False) for name in names])
 
 
 @pytest.mark.parametrize("motion", ["swinging", "vertical"])

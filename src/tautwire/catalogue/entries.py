@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -109,12 +110,21 @@ def _index() -> dict[Entry, Traversable]:
     index: dict[Entry, Traversable] = {}
     root = files("tautwire.catalogue")
     for kind, folder, ending in _FOLDERS:
-        resources = [r for r in root.joinpath(folder).iterdir() if r.name.endswith(".yaml")]
+        resources = _yaml_files(root.joinpath(folder))
         for resource in sorted(resources, key=lambda r: r.name.removesuffix(".yaml")):
             first = resource.read_text(encoding="utf-8").partition("\n")[0]
             name = resource.name.removesuffix(".yaml") + ending
             index[Entry(name, kind, first.lstrip("# "))] = resource
     return index
+
+
+def _yaml_files(folder: Traversable) -> Iterator[Traversable]:
+    """Yield the files of a folder and of its sub-folders, which only keep it easy to survey."""
+    for resource in folder.iterdir():
+        if resource.is_dir():
+            yield from _yaml_files(resource)
+        elif resource.name.endswith(".yaml"):
+            yield resource
 
 
 def _as_own(text: str, origin: str, target: Path) -> str:

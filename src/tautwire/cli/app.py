@@ -22,6 +22,7 @@ from tautwire.cli.options import (
     JsonOption,
     LimitsOption,
     OutFolderOption,
+    PdfOption,
     ProjectOption,
     SetOption,
     SystemOption,
@@ -204,6 +205,7 @@ def run(
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
     project: ProjectOption = None,
+    pdf: PdfOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -216,8 +218,11 @@ def run(
         from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
         asked = criteria_of(system, free_uplift, limits)
+        written = tuple(
+            kind for kind, is_wanted in (("html", not no_report), ("pdf", pdf)) if is_wanted
+        )
         request = RunRequest(
-            case, with_condition(overrides, condition), out, asked, not no_report, force, project
+            case, with_condition(overrides, condition), out, asked, written, force, project
         )
         run_passage(answer, request)
 
@@ -231,7 +236,7 @@ def report(
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", "-o", metavar="FILE", help="HTML file; report.html by default.",
+            "--out", "-o", metavar="FILE", help="HTML or PDF file; report.html by default.",
             show_default=False,
         ),
     ] = None,
@@ -239,15 +244,16 @@ def report(
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
     project: ProjectOption = None,
+    pdf: PdfOption = False,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Write one HTML report about one run, or about several runs overlaid."""
+    """Write one report about one run, or about several runs overlaid: HTML, with --pdf PDF too."""
     with answering(as_json) as answer:
         from tautwire.cli.commands.results import report_runs
         from tautwire.cli.commands.run import criteria_of
 
         asked = criteria_of(system, free_uplift, limits)
-        report_runs(answer, runs, out or Path("report.html"), asked, project)
+        report_runs(answer, runs, out or Path("report.html"), asked, project, pdf=pdf)
 
 
 @app.command()

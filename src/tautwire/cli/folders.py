@@ -14,8 +14,8 @@ from tautwire.files import FolderLock, remove_drafts
 from tautwire.text import shortened
 
 RESULTS = (
-    "run.nc", "results.json", "report.html", "force.csv", "force-*.csv", "droppers.csv",
-    "static.nc", "static.json", "elasticity.csv",
+    "run.nc", "results.json", "report.html", "report.pdf", "force.csv", "force-*.csv",
+    "droppers.csv", "static.nc", "static.json", "elasticity.csv",
 )  # fmt: skip
 """Files of one run, or of one static state; a folder holds those of one of them."""
 

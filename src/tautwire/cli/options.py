@@ -77,6 +77,10 @@ ProjectOption = Annotated[
         show_default=False,
     ),
 ]
+PdfOption = Annotated[
+    bool,
+    typer.Option("--pdf", help='Write the report as PDF too; needs the extra "pdf".'),
+]
 FreeUpliftOption = Annotated[
     str | None,
     typer.Option(

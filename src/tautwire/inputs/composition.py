@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -28,16 +28,18 @@ from tautwire.inputs.paths import (
 from tautwire.inputs.project import with_image
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
-from tautwire.inputs.reading.line_tables import (
-    Overlay,
-    read_columns,
-    read_dropper_table,
-    read_support_table,
-)
 from tautwire.inputs.reading.reach import Reach
-from tautwire.inputs.reading.tables import Cells, Column
+from tautwire.inputs.reading.tables import (
+    Cells,
+    cells_by_list,
+    line_sheet,
+    line_tables,
+    read_columns,
+)
 from tautwire.specs.base import Spec
 from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
+from tautwire.tables.columns import KINDS, Field, named_field
+from tautwire.tables.line import SECTIONS
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -46,10 +48,6 @@ MAX_CHAIN = 8
 """Documents of which each includes the next."""
 
 Sources = list[Any]
-_TABLES: dict[str, tuple[Callable[[Path], Overlay], tuple[str, ...]]] = {
-    "supports": (read_support_table, ("line", "supports")),
-    "droppers": (read_dropper_table, ("droppers",)),
-}
 _OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
 TABLE = "table"
@@ -154,7 +152,7 @@ def find_document(reference: str | Path, folder: Path | None) -> Document:
         close = did_you_mean(str(reference), [*_library_names(), *neighbours(path)])
         raise InputError(
             f"{named(str(reference))}: there is no such case in the library and no such file"
-            f"{close}; the library holds: {', '.join(_library_names())}"
+            f"{close}; 'tautwire cases' lists the library"
         )
     content = parse_document(read_case_text(path), named(path), path.suffix)
     return Document(named(path), os.path.realpath(path), path.parent, content)
@@ -341,7 +339,8 @@ class _Composer:
                 f"{' and '.join(names)}"
             )
         try:
-            found = read_columns(self._table_path(own[TABLE], document), _columns_at(at, spec))
+            path = self._table_path(own[TABLE], document)
+            found = read_columns(path, _fields_at(at, spec), spec.optional_columns)
         except InputError as error:
             self.result.problems += error.problems
             self.result.incomplete.add(place)
@@ -358,26 +357,32 @@ class _Composer:
         self, tables: object, own: Mapping[str, Any], document: Document
     ) -> tuple[dict[str, Any], Sources]:
         """Read the tables of a document; return what they say about the case, and the sources."""
-        overlay: dict[str, Any] = {}
-        sources: Sources = []
-        for name, file in _table_files(tables, document.label).items():
-            read, parts = _TABLES[name]
+        files, mappings = _table_files(tables, document.label), []
+        for kind, file in files.items():
             try:
-                path = self._table_path(file, document)
-                found = read(path)
+                mappings.append(line_sheet(kind, self._table_path(file, document)))
             except InputError as error:
-                self.result.problems += error.problems
-                self.result.incomplete.update(parts)
-                continue
-            self.result.problems += _given_twice(found.values, own, path, document.label)
-            self.result.cells.update(found.cells)
-            overlay = merge(overlay, found.values)
-            sources += [
-                {"path": f"{section}.{key}", "source": f"Table {file}", "confidence": "one source"}
-                for section, values in found.values.items()
-                for key in values
-            ]
-        return overlay, sources
+                self._miss(error, (kind,))
+        try:
+            found = line_tables(mappings)
+        except InputError as error:
+            self._miss(error, files)
+            return {}, []
+        file_of = {section: files[kind] for kind in files for section in SECTIONS[kind]}
+        self.result.problems += _given_twice(found.values, own, file_of, document.label)
+        self.result.cells |= cells_by_list(found.origins)
+        sources: Sources = [
+            {"path": f"{section}.{key}", "source": f"Table {file_of[section]}",
+             "confidence": "one source"}
+            for section, values in found.values.items()
+            for key in values
+        ]  # fmt: skip
+        return found.values, sources
+
+    def _miss(self, error: InputError, kinds: Iterable[str]) -> None:
+        """Note why tables cannot be used, and which parts of the case lack their content."""
+        self.result.problems += error.problems
+        self.result.incomplete.update(section for kind in kinds for section in SECTIONS[kind])
 
 
 def _refuse_foreign(document: Document, at: ValuePath) -> None:
@@ -391,13 +396,12 @@ def _refuse_foreign(document: Document, at: ValuePath) -> None:
         )
 
 
-def _columns_at(at: ValuePath, spec: type[Spec]) -> list[Column]:
-    columns = []
-    for name in spec.table_columns:
-        quantity = find_target((*at, name)).quantity
-        unit = quantity.unit if quantity is not None else ""
-        columns.append(Column(name, unit, required=name not in spec.optional_columns))
-    return columns
+def _fields_at(at: ValuePath, spec: type[Spec]) -> list[Field]:
+    quantities = [find_target((*at, name)).quantity for name in spec.table_columns]
+    return [
+        named_field(name, quantity.unit if quantity is not None else "")
+        for name, quantity in zip(spec.table_columns, quantities, strict=True)
+    ]
 
 
 def _check_schema(version: object, label: str) -> None:
@@ -417,20 +421,18 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
         raise InputError(f"{label}: tables: expected {{supports: file.csv, droppers: file.csv}}")
     problems = []
     for name, file in tables.items():
-        if name not in _TABLES:
-            hint = did_you_mean(name, _TABLES) or f"; known are: {', '.join(_TABLES)}"
+        if name not in KINDS:
+            hint = did_you_mean(name, KINDS) or f"; known are: {', '.join(KINDS)}"
             problems.append(f"{label}: tables.{name}: unknown table{hint}")
         elif not isinstance(file, str):
-            problems.append(
-                f"{label}: tables.{name}: got {shown(file)}; give the path of a CSV file"
-            )
+            problems.append(f"{label}: tables.{name}: got {shown(file)}; give the path of a table")
     if problems:
         raise InputError(problems)
     return tables
 
 
 def _given_twice(
-    table: Mapping[str, Any], own: Mapping[str, Any], path: Path, label: str
+    table: Mapping[str, Any], own: Mapping[str, Any], files: Mapping[str, str], label: str
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
@@ -439,7 +441,8 @@ def _given_twice(
             given = value_at(own, (section, key))
             if given is not None and given != value:
                 problems.append(
-                    f"{label}: {section}.{key}: is given here and in the table {path}; keep one"
+                    f"{label}: {section}.{key}: is given here and in the table "
+                    f"{files[section]}; keep one"
                 )
     return problems
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from tautwire.inputs.paths import PathError, find_target, format_path, parse_pat
 from tautwire.inputs.project import with_image
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.reading.reach import Reach
+from tautwire.inputs.reading.tables import cells_by_list
 from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import Case
 from tautwire.specs.schema.upgrade import SCHEMA_VERSION
@@ -82,15 +82,8 @@ def _compose_workbook(path: Path) -> Composition:
     data, tables = case_of(open_workbook(path))
     composition = compose_data(data)
     composition.label = str(path)
-    by_list: dict[ValuePath, dict[int, str]] = {}
-    for (*above, item), cell in tables.origins.items():
-        by_list.setdefault(tuple(above), {})[int(item)] = cell
-    composition.cells |= {path: partial(_named_cell, cells) for path, cells in by_list.items()}
+    composition.cells |= cells_by_list(tables.origins)
     return composition
-
-
-def _named_cell(cells: Mapping[int, str], item: int) -> str:
-    return cells.get(item, "")
 
 
 def _refuse_pantograph(reference: str | Path) -> None:

@@ -12,9 +12,10 @@ from tautwire.inputs.own_line import Choice, Wish, as_data, presag_of, template
 from tautwire.inputs.own_line import dropper_positions as usual_positions
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import read_case_text
-from tautwire.tables.line import LineTables, read_line
+from tautwire.inputs.reading.tables import line_tables, open_sheets
+from tautwire.tables.line import LineTables
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
-from tautwire.tables.sheets import SUFFIXES, read_sheets
+from tautwire.tables.sheets import SUFFIXES
 from tautwire.text import as_name
 
 
@@ -56,7 +57,7 @@ def open_workbook(path: Path) -> Workbook:
     InputError
         When the file is no table, or no sheet of it is a table of supports.
     """
-    sheets = read_sheets(path)
+    sheets = open_sheets(path)
     mapping_file = path.with_name(path.stem + ".mapping.yaml")
     if mapping_file.is_file():
         data = parse_document(read_case_text(mapping_file), str(mapping_file), ".yaml")
@@ -81,7 +82,7 @@ def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
     InputError
         Naming every cell that cannot be used.
     """
-    tables = read_line(workbook.mappings)
+    tables = line_tables(workbook.mappings)
     line = tables.values["line"]
     name = as_name(workbook.path.stem)
     lengths = line.get("span_length", [])

@@ -5,10 +5,15 @@ The only reader of spans, positions and pre-sags.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
+from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
@@ -37,6 +42,7 @@ from tautwire.specs.line.support import Supports
 from tautwire.specs.line.wire import Wire
 
 Values = tuple[float, ...]
+Array = NDArray[np.float64]
 
 
 def expand(case: Case) -> Line:
@@ -56,11 +62,12 @@ def expand(case: Case) -> Line:
     """
     track = alignment(case.track, case.line)
     whole = plans(case, track)
-    runs = [run for plan in whole for run in _Expansion(case, plan).runs()]
-    hangers = [hanger for plan in whole for hanger in _Expansion(case, plan).hangers()]
-    registrations = [r for plan in whole for r in _Expansion(case, plan).registrations(track)]
-    suspensions = [s for plan in whole for s in _Expansion(case, plan).suspensions()]
-    joints = [joint for plan in whole for joint in _Expansion(case, plan).joints()]
+    parts = [_Expansion(case, plan) for plan in whole]
+    runs = [run for part in parts for run in part.runs()]
+    hangers = [hanger for part in parts for hanger in part.hangers]
+    registrations = [r for part in parts for r in part.registrations(track)]
+    suspensions = [s for part in parts for s in part.suspensions()]
+    joints = [joint for part in parts for joint in part.joints()]
     carried = len({hanger.lower.run for hanger in hangers})
     line = Line(
         track=track,
@@ -89,9 +96,20 @@ class _Expansion:
         self.messenger_z = _sum(spec.contact_heights(count), spec.encumbrances(count))
         self.contact_y = _sum(spec.contact_staggers(count), plan.shift)
         self.messenger_y = _sum(spec.messenger_staggers(count), plan.shift)
+        self.wires = dict(case.wires.named())
+        self.mast_places = np.array(self.masts)
+
+    @cached_property
+    def levels(self) -> dict[str, Array]:
+        """Heights of every wire at all masts, without pre-sag, by its name [m]."""
+        running = self.case.supports.contact_heights(len(self.masts))
+        return {
+            name: np.array(running if wire.role == "contact" else self._place(wire)[1])
+            for name, wire in self.wires.items()
+        }
 
     def runs(self) -> Iterator[Run]:
-        for name, wire in self.case.wires.named():
+        for name, wire in self.wires.items():
             if wire.role == "stitch":
                 yield from self._stitches(name, wire)
                 continue
@@ -139,7 +157,7 @@ class _Expansion:
         return f"{self.plan.run(name)} {MastLabel.of_index(mast).number}"
 
     def _lateral(self, s: float) -> float:
-        return float(np.interp(s, self.masts, self.messenger_y))
+        return float(np.interp(s, self.mast_places, self.messenger_y))
 
     def joints(self) -> Iterator[Joint]:
         for run in self.runs():
@@ -147,10 +165,14 @@ class _Expansion:
                 if end.kind == "clamped":
                     yield Joint(At(end.host, end.s), At(run.name, end.s), run.wire.clamp)
 
-    def hangers(self) -> Iterator[Hanger]:
-        for one in self.case.dropper_sets:
-            yield from self._about_masts(one) if one.about == "mast" else self._in_spans(one)
-        yield from self._raising()
+    @cached_property
+    def hangers(self) -> tuple[Hanger, ...]:
+        """All hangers, set by set, then those of raised wires."""
+        sets = [
+            self._about_masts(one) if one.about == "mast" else self._in_spans(one)
+            for one in self.case.dropper_sets
+        ]
+        return tuple(chain(*sets, self._raising()))
 
     def _in_spans(self, one: Droppers) -> Iterator[Hanger]:
         spans = self.case.line.spans
@@ -167,7 +189,7 @@ class _Expansion:
         count = self.case.line.spans - 1
         rows = one.positions_by_span(count)
         drops, lengths = one.presag_by_span(count), one.lengths_by_span(count)
-        is_stitch = dict(self.case.wires.named())[one.upper].role == "stitch"
+        is_stitch = self.wires[one.upper].role == "stitch"
         for mast in self._stitched_masts() if is_stitch else self.plan.inner:
             upper = self._stitch(one.upper, mast) if is_stitch else self.plan.run(one.upper)
             for index, position in enumerate(rows[mast - 1]):
@@ -179,13 +201,13 @@ class _Expansion:
         self, one: Droppers, s: float, values: tuple[float, float], upper: str
     ) -> Iterator[Hanger]:
         """Yield a hanger, unless it would hold a contact wire that is raised."""
-        wire = dict(self.case.wires.named())[one.lower]
         low, high = self.plan.droppers
-        if wire.role == "contact" and not low <= s <= high:
+        if self.wires[one.lower].role == "contact" and not low <= s <= high:
             return
         given: GivenHeight | GivenLength
         if one.mode == "height":
-            given = GivenHeight(self._level(wire, s), values[0])
+            level = float(np.interp(s, self.mast_places, self.levels[one.lower]))
+            given = GivenHeight(level, values[0])
         else:
             given = GivenLength(values[1], one.length_kind == "stretched")
         yield Hanger(
@@ -199,12 +221,6 @@ class _Expansion:
             diameter=one.diameter,
             thermal_expansion=one.thermal_expansion,
         )
-
-    def _level(self, wire: Wire, s: float) -> float:
-        """Return the height of a wire without pre-sag [m]."""
-        running = self.case.supports.contact_heights(len(self.masts))
-        heights = running if wire.role == "contact" else self._place(wire)[1]
-        return float(np.interp(s, self.masts, heights))
 
     def _raising(self) -> Iterator[Hanger]:
         """Yield what a raised contact wire hangs on at its support."""
@@ -254,11 +270,19 @@ class _Expansion:
         spec, s = self.case.supports, self.masts[mast]
         if spec.share is None:
             return spec.lift
-        run = self.plan.run(name)
-        ends = [self.masts[mast - 1], self.masts[mast + 1]]
-        held = ends + [hanger.lower.s for hanger in self.hangers() if hanger.lower.run == run]
-        length = min(x for x in held if x > s) - max(x for x in held if x < s)
-        return spec.share * wire.mass * self.case.line.gravity * length
+        held = self._hung_places[self.plan.run(name)]
+        before, behind = bisect_left(held, s), bisect_right(held, s)
+        left = max([self.masts[mast - 1], *held[before - 1 : before]])
+        right = min([self.masts[mast + 1], *held[behind : behind + 1]])
+        return spec.share * wire.mass * self.case.line.gravity * (right - left)
+
+    @cached_property
+    def _hung_places(self) -> defaultdict[str, list[float]]:
+        """Places at which something hangs on hangers, from left to right, by run [m]."""
+        places: defaultdict[str, list[float]] = defaultdict(list)
+        for hanger in sorted(self.hangers, key=lambda hanger: hanger.lower.s):
+            places[hanger.lower.run].append(hanger.lower.s)
+        return places
 
     def suspensions(self) -> Iterator[Suspension]:
         spec = self.case.supports

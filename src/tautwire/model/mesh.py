@@ -46,7 +46,9 @@ class Strand:
 
     def position(self, s: float) -> int:
         """Return which of its nodes lies at a place where something is attached [m]."""
-        return int(np.abs(self.s - s).argmin())
+        right = min(max(int(self.s.searchsorted(s)), 1), len(self.s) - 1)
+        is_left_nearer = s - self.s[right - 1] <= self.s[right] - s
+        return right - 1 if is_left_nearer else right
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,18 +60,22 @@ class Mesh:
     strands : tuple of Strand
     s : (n_node,) m
         Place of every node along the track.
-    frames : Frames
-        Of the track at every node.
+    track : Track
     """
 
     strands: tuple[Strand, ...]
     s: Array
-    frames: Frames
+    track: Track
 
     @property
     def node_count(self) -> int:
         """Number of nodes."""
         return len(self.s)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """Frames of the track at every node."""
+        return self.track.frames(self.s)
 
     @cached_property
     def _by_name(self) -> dict[str, Strand]:
@@ -176,7 +182,7 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
         cables = np.arange(first_cable, first_cable + len(own) - 1)
         strands.append(Strand(run, own, nodes, cables, _leads(line, run)))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
-    return Mesh(tuple(strands), s[order], line.track.frames(s[order]))
+    return Mesh(tuple(strands), s[order], line.track)
 
 
 def _division(line: Line, run: Run, settings: Settings, speed: float) -> Division:
@@ -218,10 +224,9 @@ def _cosines(track: Track, places: Array) -> Array:
 
 def _divided(ends: Array, division: Division) -> Array:
     """Divide the intervals between some points into elements."""
-    gaps = np.diff(ends)
-    parts = [
-        left + gap * division.fractions(gap) for left, gap in zip(ends[:-1], gaps, strict=True)
-    ]
+    gaps = np.diff(ends).tolist()
+    fractions = {gap: division.fractions(gap) for gap in set(gaps)}
+    parts = [left + gap * fractions[gap] for left, gap in zip(ends[:-1], gaps, strict=True)]
     return np.concatenate([*parts, ends[-1:]])
 
 

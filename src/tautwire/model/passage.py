@@ -14,7 +14,7 @@ from tautwire.model.irregularity import surface_profile
 from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.motion.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
-from tautwire.specs.pantograph import Pantograph
+from tautwire.specs.pantograph import Air, Pantograph
 
 Array = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
             start_x=start_x,
             start_height=height if force > 0.0 else height - LOWERED,
             velocity=sign * case.scenario.speed,
-            stage_forces=_stage_forces(spec, force, case.scenario.speed, height, running),
+            stage_forces=_stage_forces(spec, force, case.scenario.air, height, running),
             ramp=case.settings.ramp,
             roof=_roof(spec),
             surface=surface,
@@ -123,9 +123,7 @@ def _running_heights(model: Model, shape: Equilibrium) -> Array:
     return shape.running_height(at).mean(axis=0)
 
 
-def _stage_forces(
-    spec: Pantograph, uplift: float, speed: float, start: float, running: Array
-) -> Array:
+def _stage_forces(spec: Pantograph, uplift: float, air: Air, start: float, running: Array) -> Array:
     """Return what acts on the stages of a raised pantograph, ``(n_stage,)`` [N].
 
     The base spring of the equations counts from the start, so its force there, with the head at
@@ -134,7 +132,7 @@ def _stage_forces(
     forces = np.zeros(len(spec.stages))
     if uplift == 0.0:
         return forces
-    forces += [stage.force.at(speed) for stage in spec.stages]
+    forces += spec.stage_forces(air)
     forces[spec.lifted_stage()] += uplift
     working = float(running.mean()) if spec.working_height is None else spec.working_height
     forces[-1] -= spec.stages[-1].stiffness * (start - working)

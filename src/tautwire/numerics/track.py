@@ -135,6 +135,11 @@ class Track:
         turning = _between(self.curvature[piece], u / self._lengths[piece])
         return (turning * cosine)[..., None] * n0 + (rate / cosine)[..., None] * b0
 
+    def plan_curvature(self, s: ArrayLike) -> Array:
+        """Return dpsi/ds, positive in a curve to the left, ``(...)`` [1/m]."""
+        piece, u = self._piece(np.asarray(s, dtype=float), self.s)
+        return _between(self.curvature[piece], u / self._lengths[piece])
+
     def rise_curvature(self, s: ArrayLike) -> Array:
         """Return ``b . dt/ds``: how the track bends away from the plane of the rails [1/m]."""
         return np.sum(self.frames(s).axes[..., 2, :] * self.bending(s), axis=-1)

@@ -67,12 +67,40 @@ RUN = (
         "m",
         "vertical displacement of the contact wire at the support from the static state",
     ),
+)
+
+DROPPERS = (
     Entry(
         "dropper_force",
-        "dropper_force",
-        ("time", "dropper"),
+        "force",
+        ("dropper_sample", "dropper"),
         "N",
-        "axial dropper force, tension positive, zero while slack",
+        "axial dropper force, tension positive, zero while slack, from the sample dropper_first on",
+    ),
+    Entry(
+        "dropper_first",
+        "first",
+        ("dropper",),
+        "1",
+        "sample of the first force of the dropper, from 0; the time step counts samples",
+        "count",
+    ),
+    Entry(
+        "dropper_least", "least", ("dropper",), "N", "least force where dropper_force keeps none"
+    ),
+    Entry(
+        "dropper_largest",
+        "largest",
+        ("dropper",),
+        "N",
+        "largest force where dropper_force keeps none",
+    ),
+    Entry(
+        "dropper_slack_time",
+        "slack_time",
+        ("dropper",),
+        "s",
+        "time without force where dropper_force keeps none",
     ),
 )
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError, not_installed
 from tautwire.results.accessors import made
+from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.specs.case import Case
@@ -142,8 +143,8 @@ class Run(Told):
     pantographs : tuple of PantographRecord
     support_uplift : (n_time, n_support) m
         Vertical displacement of the contact wire at the supports from the static state.
-    dropper_force : (n_time, n_dropper) N
-        Axial dropper forces, span by span; zero while slack.
+    droppers : DropperHistory
+        Axial dropper forces, in the order of the equilibrium, each while a pantograph is near.
     snapshots : Snapshots
     counters : mapping
         ``dof, steps, iterations_mean, refactorisations, full_newton_steps, simulated_s, cpu_s,
@@ -164,13 +165,21 @@ class Run(Told):
     time: Array
     pantographs: tuple[PantographRecord, ...]
     support_uplift: NDArray[np.float32]
-    dropper_force: NDArray[np.float32]
+    droppers: DropperHistory
     snapshots: Snapshots
     counters: Mapping[str, Any]
     warnings: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     events: ContactEvents | None = None
     irregularities: DrawnIrregularities | None = None
+
+    @property
+    def dropper_force(self) -> NDArray[np.float32]:
+        """Axial dropper forces at every sample, ``(n_time, n_dropper)`` [N]; zero while slack.
+
+        NaN where no pantograph was within a kilometre.
+        """
+        return self.droppers.at(np.arange(self.time.size))
 
     @property
     def plot(self) -> Any:

@@ -189,4 +189,4 @@ class Case(Told, Spec):
             return given
         if given is not None:
             return (given,) * len(self.pantographs)
-        return tuple(pantograph.uplift_force(scenario.speed) for pantograph in self.pantographs)
+        return tuple(pantograph.uplift_force(scenario.air) for pantograph in self.pantographs)

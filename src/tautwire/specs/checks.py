@@ -16,12 +16,12 @@ from tautwire.specs.conditions.checks import (
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import check_irregularities
-from tautwire.specs.line.support import Supports
+from tautwire.specs.line.support import Supports, check_hinges
 from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.track import check_track
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
-from tautwire.specs.requirements import check_requirements
+from tautwire.specs.requirements import check_gauge, check_requirements
 from tautwire.specs.scenario import Scenario
 from tautwire.specs.settings import Settings
 
@@ -37,6 +37,7 @@ def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
         "encumbrance",
         "contact_stagger",
         "messenger_stagger",
+        "hinge",
         "arm_end_y",
         "arm_end_z",
     )
@@ -49,7 +50,7 @@ def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
         for name in names
         if isinstance(values := getattr(supports, name), tuple) and len(values) != count
     ]
-    return problems + _missing_arm_ends(line, supports)
+    return problems + _missing_arm_ends(line, supports) + check_hinges(line, supports)
 
 
 def _missing_arm_ends(line: Line, supports: Supports) -> list[Problem]:
@@ -352,11 +353,11 @@ def check_forces(scenario: Scenario, pantographs: Sequence[Pantograph]) -> list[
         problems += [
             Problem(
                 ("pantographs", index, "static_force"),
-                f"the uplift force is {pantograph.uplift_force(scenario.speed):g} N; give "
+                f"the uplift force is {pantograph.uplift_force(scenario.air):g} N; give "
                 "static_force (for example '70 N'), scenario.mean_force or scenario.uplift_force",
             )
             for index, pantograph in enumerate(pantographs)
-            if pantograph.uplift_force(scenario.speed) <= 0.0
+            if pantograph.uplift_force(scenario.air) <= 0.0
         ]
     target = scenario.target_mean_force()
     if target is not None and target <= 0.0:
@@ -477,6 +478,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "tension_lengths", "conditions"), check_places),
     (("conditions", "wires", "scenario"), check_slowed_waves),
     (("line", "requirements"), check_requirements),
+    (("requirements", "conditions", "wires", "droppers"), check_gauge),
 )
 """Every check with the parts of the case it needs, so that it can run when others are invalid."""
 

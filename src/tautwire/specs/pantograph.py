@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+from tautwire.specs.base import (
+    MAPPING,
+    SCALAR,
+    Problem,
+    Quantity,
+    Spec,
+    Typical,
+    form_of,
+    refuse,
+)
 from tautwire.text import LONGEST_NAME
 
 Time = Annotated[float, Quantity("s", ge=0.0, le=1e6)]
@@ -15,7 +25,10 @@ Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[^
 
 
 class ForceLaw(Spec):
-    """A vertical force over speed: constant + per_speed * v + per_speed_squared * v^2."""
+    """A vertical force over speed: constant + per_speed * v + per_speed_squared * v^2.
+
+    The speed is that of the air; a tunnel raises the parts that depend on it.
+    """
 
     constant: Annotated[float, Quantity("N", ge=-1e3, le=1e3, typical="0 N")] = Field(
         default=0.0, description="Part that does not depend on the speed."
@@ -27,9 +40,37 @@ class ForceLaw(Spec):
         float, Quantity("N/(m/s)^2", ge=-1.0, le=1.0, typical="0.00097 N/(km/h)^2")
     ] = Field(default=0.0, description="Increase with the speed squared.")
 
-    def at(self, speed: float) -> float:
-        """Return the force [N] at a speed in m/s."""
-        return self.constant + self.per_speed * speed + self.per_speed_squared * speed**2
+    def at(self, air: Air) -> float:
+        """Return the force in a flow of air [N]."""
+        flow = self.per_speed * air.speed + self.per_speed_squared * air.speed * abs(air.speed)
+        return self.constant + air.factor * flow
+
+
+@dataclass(frozen=True)
+class Air:
+    """The air that a pantograph meets.
+
+    Attributes
+    ----------
+    speed : float m/s
+        Against the train; negative when a tail wind is faster than it.
+    factor : float
+        Of the forces that depend on it: 1 in the open, larger in a tunnel.
+    """
+
+    speed: float
+    factor: float = 1.0
+
+
+Aerodynamic = Annotated[
+    Annotated[
+        float,
+        Quantity("N/(m/s)^2", ge=-1.0, le=1.0, typical="0.00097 N/(km/h)^2"),
+        Tag(SCALAR),
+    ]
+    | Annotated[ForceLaw, Tag(MAPPING)],
+    Discriminator(form_of),
+]
 
 
 class Stage(Spec):
@@ -48,6 +89,11 @@ class Stage(Spec):
         default=ForceLaw(),
         description="Force on this stage over speed, upwards, such as the aerodynamic force of a "
         "frame; it acts besides the uplift force.",
+    )
+    force_reversed: ForceLaw | None = Field(
+        default=None,
+        description="The same where the pantograph runs the other way (pantographs.reversed); "
+        "'force' if left out.",
     )
 
 
@@ -106,11 +152,19 @@ class Pantograph(Spec):
         default=0.0,
         description="Static part of the uplift force; used when the scenario gives no force.",
     )
-    aerodynamic: Annotated[
-        float, Quantity("N/(m/s)^2", ge=-1.0, le=1.0, typical="0.00097 N/(km/h)^2")
-    ] = Field(
+    aerodynamic: Aerodynamic = Field(
         default=0.0,
-        description="Aerodynamic part: force per speed squared; used with static_force.",
+        description="Aerodynamic part over the speed of the air: a force per speed squared, or "
+        "{constant: ..., per_speed: ..., per_speed_squared: ...}; used with static_force.",
+    )
+    aerodynamic_reversed: Aerodynamic | None = Field(
+        default=None,
+        description="The same where the pantograph runs the other way; 'aerodynamic' if left out.",
+    )
+    reversed: bool = Field(
+        default=False,
+        description="Whether the pantograph runs with its knuckle the other way than its first "
+        "aerodynamic forces are given for.",
     )
     force_stage: Annotated[int, Field(ge=1, strict=True), Typical("the lowest")] | None = Field(
         default=None,
@@ -155,9 +209,24 @@ class Pantograph(Spec):
         refuse(problems)
         return self
 
-    def uplift_force(self, speed: float) -> float:
-        """Return static_force + aerodynamic * speed^2 [N] at a speed in m/s."""
-        return self.static_force + self.aerodynamic * speed**2
+    def uplift_force(self, air: Air) -> float:
+        """Return static and aerodynamic force in a flow of air [N]."""
+        is_own = not self.reversed or self.aerodynamic_reversed is None
+        law = self.aerodynamic if is_own else self.aerodynamic_reversed
+        if not isinstance(law, ForceLaw):
+            law = ForceLaw(per_speed_squared=law or 0.0)
+        return self.static_force + law.at(air)
+
+    def stage_forces(self, air: Air) -> tuple[float, ...]:
+        """Return the force on every stage besides the uplift force in a flow of air [N]."""
+        return tuple(
+            (
+                stage.force
+                if stage.force_reversed is None or not self.reversed
+                else stage.force_reversed
+            ).at(air)
+            for stage in self.stages
+        )
 
     def lifted_stage(self) -> int:
         """Return the 0-based index of the stage on which the uplift force acts."""

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, MAPPING, SCALAR, Problem, Quantity, Spec, form_of, refuse
+from tautwire.specs.pantograph import Air
 
 Force = Annotated[float, Quantity("N", ge=0.0, le=1e4, typical="50 to 250 N")]
 MeanForce = Annotated[float, Quantity("N", gt=0.0, le=1e4, typical="70 to 170 N")]
@@ -41,6 +42,16 @@ class Scenario(Spec):
     )
     direction: Literal["+x", "-x"] = Field(
         default="+x", description="Running direction: from support 1 to the last, or back."
+    )
+    headwind: Annotated[float, Quantity("m/s", ge=-60.0, le=60.0, typical="0; 10 m/s")] = Field(
+        default=0.0,
+        description="Wind along the track against the train, a tail wind negative: the air that "
+        "lifts the pantographs is that much faster.",
+    )
+    tunnel_factor: Annotated[float, Quantity("", ge=0.1, le=5.0, typical="1.3 to 2")] = Field(
+        default=1.0,
+        description="Factor of the aerodynamic forces that depend on the speed; that of your "
+        "tunnels, 1 in the open.",
     )
     mean_force: (
         Annotated[
@@ -85,6 +96,11 @@ class Scenario(Spec):
             if changes.get(name) is not None and other not in changes:
                 changes = {**changes, other: None}
         return super().with_(**changes)
+
+    @property
+    def air(self) -> Air:
+        """The air that the pantographs meet."""
+        return Air(self.speed + self.headwind, self.tunnel_factor)
 
     def target_mean_force(self) -> float | None:
         """Return the mean force [N] to tune to at the given speed; None when nothing is tuned."""

@@ -65,8 +65,8 @@ class Wind(Spec):
     )
 
 
-class GaugeRule(Spec):
-    """Permissible lateral position by calculation."""
+class HeadRule(Spec):
+    """Permissible lateral position by calculation, for a pantograph head."""
 
     rule: Annotated[str, Typical("en50367-2012-norway")] = Field(
         description="Name of the calculation rule in the catalogue (gauge.yaml)."
@@ -74,6 +74,11 @@ class GaugeRule(Spec):
     head: Annotated[str, Typical("1600"), BeforeValidator(str)] = Field(
         description="Pantograph head of the catalogue, by its width in mm."
     )
+
+
+class GaugeRule(HeadRule):
+    """Permissible lateral position by calculation, at one height of the wire."""
+
     height: Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="5.3 m")] = Field(
         description="Height of the contact wire above the rails."
     )

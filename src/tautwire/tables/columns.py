@@ -61,6 +61,11 @@ def fields_of(kind: str) -> tuple[Field, ...]:
     )
 
 
+def named_field(name: str, unit: str) -> Field:
+    """Return a field that goes by its own name alone."""
+    return Field(name, unit, frozenset((folded(name),)))
+
+
 @lru_cache(maxsize=1)
 def places() -> dict[str, tuple[str, int]]:
     """Return what folded words in numbered headings mean: ``"left"`` is sensor 1."""

@@ -9,12 +9,15 @@ from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.tables.columns import role_of
-from tautwire.tables.mapping import SheetMapping, Use
-from tautwire.tables.values import CellError, number_of, ratio_of, text_of
+from tautwire.tables.mapping import SheetMapping
+from tautwire.tables.rows import Rows
+from tautwire.tables.values import ratio_of
 
-MOST_PROBLEMS = 30
-"""Cells of which a sheet complains before the rest is only counted."""
 Path = tuple[str | int, ...]
+APART = 0.1
+"""Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
+SECTIONS = {"supports": ("line", "supports"), "droppers": ("droppers",), "wires": ("wires",)}
+"""Parts of a case that a kind of table fills."""
 
 
 @dataclass
@@ -47,7 +50,7 @@ def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
     result, problems = LineTables(), []
     order = {"supports": 0, "wires": 1, "droppers": 2}
     for mapping in sorted(mappings, key=lambda one: order[one.kind]):
-        rows = _Rows(mapping)
+        rows = Rows(mapping)
         try:
             _READERS[mapping.kind](rows, result)
         except InputError as error:
@@ -58,82 +61,11 @@ def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
     return result
 
 
-class _Rows:
-    """The values of a mapped sheet, column by column, and the problems met."""
-
-    def __init__(self, mapping: SheetMapping) -> None:
-        self.mapping, self.sheet = mapping, mapping.sheet
-        self.problems: list[str] = []
-        last = len(self.sheet.rows)
-        self.indices = [
-            row
-            for row in range(mapping.first_row, last)
-            if any(self._cell(row, use.column) is not None for use in mapping.uses)
-        ]
-
-    def numbers(self, name: str) -> list[float | None] | None:
-        """Return a column in SI; None where the sheet has none."""
-        use = self.mapping.use(name)
-        return None if use is None else [self._number(row, use) for row in self.indices]
-
-    def full(self, name: str) -> list[float] | None:
-        """Return a column that has a value in every row."""
-        values = self.numbers(name)
-        for index, value in enumerate(values or []):
-            if value is None:
-                self.complain(index, name, "is empty")
-        return None if values is None else [0.0 if v is None else v for v in values]
-
-    def texts(self, name: str) -> list[str | None] | None:
-        """Return a column of names; None where the sheet has none."""
-        use = self.mapping.use(name)
-        return None if use is None else [self._text(row, use) for row in self.indices]
-
-    def place(self, index: int, name: str) -> str:
-        """Name a cell."""
-        use = self.mapping.use(name)
-        column = use.column if use is not None else 0
-        heading = f" ({use.heading})" if use is not None else ""
-        return self.sheet.place(self.indices[index], column) + heading
-
-    def complain(self, index: int, name: str, text: str) -> None:
-        """Note a problem of a cell."""
-        self.problems.append(f"{self.place(index, name)}: {text}")
-
-    def listed_problems(self) -> list[str]:
-        """Return the problems, the rest counted where there are very many."""
-        rest = len(self.problems) - MOST_PROBLEMS
-        more = [f"{self.sheet.label}: {rest} more problems"] if rest > 0 else []
-        return self.problems[:MOST_PROBLEMS] + more
-
-    def _cell(self, row: int, column: int) -> Any:
-        cells = self.sheet.rows[row]
-        return cells[column] if column < len(cells) else None
-
-    def _number(self, row: int, use: Use) -> float | None:
-        share = ratio_of(use.unit)
-        unit, wanted = ("", "") if share is not None else (use.unit, use.field.unit)
-        try:
-            value = number_of(
-                self._cell(row, use.column), unit, wanted, decimal_comma=self.sheet.decimal_comma
-            )
-        except CellError as error:
-            self.problems.append(f"{self.sheet.place(row, use.column)} ({use.heading}): {error}")
-            return 0.0
-        return value if value is None or share is None else value * share
-
-    def _text(self, row: int, use: Use) -> str | None:
-        try:
-            return text_of(self._cell(row, use.column))
-        except CellError as error:
-            self.problems.append(f"{self.sheet.place(row, use.column)} ({use.heading}): {error}")
-            return None
-
-
-def _supports(rows: _Rows, result: LineTables) -> None:
+def _supports(rows: Rows, result: LineTables) -> None:
     count = len(rows.indices)
     if count < 2:
         raise InputError(f"{rows.sheet.label}: has {count} support; a line has at least two")
+    _check_numbers(rows, "support", range(1, count + 1))
     lengths, column = _span_lengths(rows, result)
     line: dict[str, Any] = {"spans": count - 1, **_places(rows, result)}
     if lengths:
@@ -155,13 +87,13 @@ def _supports(rows: _Rows, result: LineTables) -> None:
     result.values |= {"line": line} | ({"supports": supports} if supports else {})
 
 
-def _places(rows: _Rows, result: LineTables) -> dict[str, Any]:
+def _places(rows: Rows, result: LineTables) -> dict[str, Any]:
     """Return names and chainage of the supports, as far as the sheet has them."""
     places: dict[str, Any] = {}
     if (names := rows.texts("mast")) is not None:
         places["masts"] = [name or str(index + 1) for index, name in enumerate(names)]
-    if (use := rows.mapping.use("chainage")) is not None:
-        along = rows.full("chainage") or [0.0]
+    use = rows.mapping.use("chainage")
+    if use is not None and (along := rows.full("chainage")) is not None:
         if not use.unit and abs(along[-1] - along[0]) < len(along):
             along = [1e3 * value for value in along]
             result.notes.append(f"{rows.sheet.label}: {use.heading!r} is taken as kilometres")
@@ -171,37 +103,55 @@ def _places(rows: _Rows, result: LineTables) -> dict[str, Any]:
                 f"{rows.sheet.label}: chainage falls; support 1 is the first row, and staggers are "
                 "turned so that they keep their side of rising chainage"
             )
-    elif (along := rows.full("x")) and along[0] != 0.0:
-        places["chainage"] = along  # not counted from the first support
+    elif (given := rows.full("x")) is not None and given[0] != 0.0:
+        places["chainage"] = given  # not counted from the first support
     return places
 
 
-def _span_lengths(rows: _Rows, result: LineTables) -> tuple[list[float], str]:
-    """Return span lengths from chainage, position or a column of spans, in this order."""
-    if rows.mapping.use("chainage") is not None:
-        along = _places(rows, LineTables())["chainage"]
-        return _steps(rows, along, "chainage"), "chainage"
-    if rows.mapping.use("x") is not None:
-        return _steps(rows, rows.full("x") or [], "x"), "x"
-    if rows.mapping.use("span_length") is not None:
-        return _column_of_spans(rows, result), "span_length"
-    return [], ""
+def _span_lengths(rows: Rows, result: LineTables) -> tuple[list[float], str]:
+    """Return span lengths from chainage, position or a column of spans.
+
+    Spans beside chainages are right where these jump; beside positions they must agree.
+    """
+    given = rows.numbers("span_length")
+    spans = [] if given is None else _column_of_spans(rows, given, result)
+    places = _places(rows, LineTables())
+    if rows.numbers("chainage") is not None:
+        steps = _steps(rows, places["chainage"], "chainage")
+        jumps = [n for n, (a, b) in enumerate(zip(steps, spans, strict=False), 1)
+                 if abs(a - b) > APART]  # fmt: skip
+        if jumps:
+            named = ", ".join(map(str, jumps))
+            result.notes.append(f"{rows.sheet.label}: the chainage jumps in the spans {named}")
+            return spans, "span_length"
+        return steps, "chainage"
+    if (along := rows.full("x")) is not None:
+        steps = _steps(rows, along, "x")
+        for index, (step, span) in enumerate(zip(steps, spans, strict=False)):
+            if abs(step - span) > APART:
+                text = f"got {span:g} m; the column 'x' says {step:g} m; keep one of the two"
+                rows.complain(index, "span_length", text)
+                break
+        return steps, "x"
+    return spans, "span_length" if spans else ""
 
 
-def _steps(rows: _Rows, along: Sequence[float], name: str) -> list[float]:
+def _steps(rows: Rows, along: Sequence[float], name: str) -> list[float]:
     falling = along[-1] < along[0]
     steps = [(a - b if falling else b - a) for a, b in pairwise(along)]
     for index, step in enumerate(steps, 1):
         if step <= 0.0 and not rows.problems:
-            rows.complain(index, name, "does not go on in the direction of the first rows")
+            text = f"got {along[index]:g} m after {along[index - 1]:g} m; must go on one way"
+            rows.complain(index, name, text)
     return [round(step, 6) for step in steps]
 
 
-def _column_of_spans(rows: _Rows, result: LineTables) -> list[float]:
-    spans = rows.numbers("span_length") or []
+def _column_of_spans(rows: Rows, spans: Sequence[float | None], result: LineTables) -> list[float]:
     on_right = spans[0] is None and spans[-1] is not None
     if on_right:
         result.notes.append(f"{rows.sheet.label}: each span stands on the row of its right mast")
+    elif spans[-1] is not None:
+        result.notes.append(f"{rows.sheet.label}: the span on the last row leads beyond the line")
     own = spans[1:] if on_right else spans[:-1]
     for index, value in enumerate(own, int(on_right)):
         if value is None:
@@ -209,28 +159,21 @@ def _column_of_spans(rows: _Rows, result: LineTables) -> list[float]:
     return [value or 0.0 for value in own]
 
 
-def _droppers(rows: _Rows, result: LineTables) -> None:
-    positions = rows.full("position") or []
+def _droppers(rows: Rows, result: LineTables) -> None:
+    positions = rows.full("position")
+    if positions is None:
+        raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
     spans = _span_of_rows(rows, result)
     by_span: dict[int, list[int]] = {}
     for index, span in enumerate(spans):
         by_span.setdefault(span, []).append(index)
+    _check_numbers(rows, "dropper", [by_span[s].index(i) + 1 for i, s in enumerate(spans)])
     count = result.values.get("line", {}).get("spans", max(by_span, default=0))
     missing = [str(span) for span in range(1, count + 1) if span not in by_span]
     if missing and not rows.problems:
         rows.problems.append(f"{rows.sheet.label}: no droppers for the spans {', '.join(missing)}")
     droppers: dict[str, Any] = {}
-    columns = {"positions": positions}
-    for key, name in (("lengths", "length"), ("presag", "presag")):
-        if rows.mapping.use(name) is not None:
-            columns[key] = rows.full(name) or []
-    share = rows.mapping.use("presag")
-    if share is not None and ratio_of(share.unit) is not None:
-        lengths = result.values.get("line", {}).get("span_length", [])
-        columns["presag"] = [
-            value * lengths[span - 1] if 0 < span <= len(lengths) else value
-            for value, span in zip(columns["presag"], spans, strict=True)
-        ]
+    columns = {"positions": positions, **_kinds_of_length(rows, result, spans)}
     names = {"positions": "position", "lengths": "length", "presag": "presag"}
     for key, values in columns.items():
         droppers[key] = [[values[i] for i in by_span[span]] for span in sorted(by_span)]
@@ -242,7 +185,36 @@ def _droppers(rows: _Rows, result: LineTables) -> None:
     result.values["droppers"] = droppers
 
 
-def _span_of_rows(rows: _Rows, result: LineTables) -> list[int]:
+def _kinds_of_length(
+    rows: Rows, result: LineTables, spans: Sequence[int]
+) -> dict[str, list[float]]:
+    """Return lengths and pre-sags, a share of the span as a pre-sag in metres."""
+    columns: dict[str, list[float]] = {}
+    for key, name in (("lengths", "length"), ("presag", "presag")):
+        if (values := rows.full(name)) is not None:
+            columns[key] = values
+    share = rows.mapping.use("presag")
+    if share is not None and "presag" in columns and ratio_of(share.unit) is not None:
+        lengths = result.values.get("line", {}).get("span_length", [])
+        columns["presag"] = [
+            value * lengths[span - 1] if 0 < span <= len(lengths) else value
+            for value, span in zip(columns["presag"], spans, strict=True)
+        ]
+    return columns
+
+
+def _check_numbers(rows: Rows, name: str, expected: Sequence[int]) -> None:
+    """Complain of the first row that is not numbered in order, where rows are numbered."""
+    numbers = rows.full(name) or []
+    if rows.problems:
+        return  # numbers that could not be read
+    for index, (number, wanted) in enumerate(zip(numbers, expected, strict=False)):
+        if number != wanted:
+            rows.complain(index, name, f"got {number:g}, expected {wanted}; number them in order")
+            return
+
+
+def _span_of_rows(rows: Rows, result: LineTables) -> list[int]:
     """Return the span of every dropper from a span number or the mast on its left."""
     if (numbers := rows.numbers("span")) is not None:
         filled: list[int] = []
@@ -269,7 +241,7 @@ def _span_of_rows(rows: _Rows, result: LineTables) -> list[int]:
     return spans
 
 
-def _wires(rows: _Rows, result: LineTables) -> None:
+def _wires(rows: Rows, result: LineTables) -> None:
     wires: dict[str, Any] = {}
     columns: dict[str, Sequence[Any]] = {}
     for name in ("tension", "mass", "axial_stiffness", "bending_stiffness"):

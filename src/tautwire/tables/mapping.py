@@ -6,18 +6,33 @@ import json
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
 
 from tautwire.errors import InputError
-from tautwire.tables.columns import ANY, KINDS, RECORDING, TEXT, Field, fields_of, split_heading
+from tautwire.specs.schema.vocabulary import folded
+from tautwire.tables.columns import (
+    ANY,
+    COUNT,
+    KINDS,
+    RECORDING,
+    TEXT,
+    Field,
+    fields_of,
+    split_heading,
+)
 from tautwire.tables.headings import read_heading
-from tautwire.tables.sheets import Sheet
+from tautwire.tables.sheets import HEADING_ROWS, Sheet
 from tautwire.tables.values import unit_fits
+from tautwire.text import shortened
+from tautwire.units import expectation
 
 ASIDE = "aside"
 Side = Literal["left", "right"]
-_NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
+ALIKE = 0.8
+"""Likeness from which an unknown heading is a slip of the pen: one letter in five."""
+NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
     "droppers": (("position",),),
     "wires": (("wire",), ("use", "tension", "mass")),
@@ -30,8 +45,6 @@ _NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
 _BY_UNIT = {"speed": ("speed",), "force": ("force", "sensor_force"), "time": ("time",)}
 """Fields of recordings that the only unread column in their unit is taken for, unless one of these
 is there already."""
-HEADING_ROWS = 40
-"""Rows from the top among which the headings are looked for: titles and stamps stand above them."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +92,13 @@ class SheetMapping:
         """Return the column of a field, or None."""
         return next((use for use in self.uses if use.field.name == name), None)
 
+    def place(self, row: int, use: Use) -> str:
+        """Name a cell, by the heading of its column too."""
+        if self.sheet.letters:
+            return f"{self.sheet.place(row, use.column)} ({use.heading})"
+        heading = shortened(use.heading)
+        return f"{self.sheet.label}, line {self.sheet.numbers[row]}, column {heading!r}"
+
 
 def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     """Match the headings of a sheet by meaning; None when it is no table of these kinds.
@@ -88,18 +108,91 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     InputError
         When two columns could be the same field: it is never guessed.
     """
-    best: SheetMapping | None = None
-    for row in range(min(HEADING_ROWS, len(sheet.rows) - 1)):
-        for kind in kinds:
-            found = _matched(sheet, row, kind)
-            if found is not None and (best is None or len(found.uses) > len(best.uses)):
-                best = found
-    if best is None:
+    proposals = [match(sheet, kind, fields_of(kind), NEEDS[kind]) for kind in kinds]
+    found = [one for one in proposals if one is not None]
+    if not found:
         return None
+    best = max(found, key=lambda one: len(one.uses))
     if best.kind == RECORDING:
         return _first_of_double(_with_units_alone(best))
     _refuse_double(best)
     return best
+
+
+def match(
+    sheet: Sheet, kind: str, fields: Sequence[Field], needs: Sequence[Sequence[str]]
+) -> SheetMapping | None:
+    """Match the fullest row of headings near the top of a sheet.
+
+    Parameters
+    ----------
+    sheet
+    kind
+        What the table is called.
+    fields
+        What it may hold.
+    needs
+        Groups of fields of each of which it must have one.
+    """
+    rows = range(min(HEADING_ROWS, len(sheet.rows) - 1))
+    found = [_matched(sheet, row, kind, fields, needs) for row in rows]
+    return max(filter(None, found), key=lambda one: len(one.uses), default=None)
+
+
+def refuse_headings(
+    sheet: Sheet,
+    fields: Sequence[Field],
+    needs: Sequence[Sequence[str]],
+    mapping: SheetMapping | None,
+) -> None:
+    """Refuse a table that lacks columns, misspells them, or has them in units that do not fit.
+
+    Columns that mean nothing here are left aside.
+
+    Raises
+    ------
+    InputError
+        Saying what is missing and what there is; of a file without any column that is known,
+        nothing is quoted.
+    """
+    row = mapping.heading_row if mapping is not None else 0
+    headings = [str(cell) for cell in sheet.rows[row] if cell is not None]
+    used = {use.field.name for use in mapping.uses} if mapping is not None else set()
+    problems = [fault for text in headings if (fault := _fault_of(text, fields, used))]
+    if mapping is None:
+        known = {name for text in headings if (name := _named_field(text, fields))}
+        there = f"; there are: {shortened(', '.join(headings), 200)}" if known or problems else ""
+        problems += [
+            f"a column {' or '.join(map(repr, group))} is missing{there}"
+            for group in needs
+            if not known & set(group)
+        ]
+    if problems:
+        raise InputError([f"{sheet.label}: {text}" for text in problems])
+    if mapping is not None:
+        _refuse_double(mapping)
+
+
+def _named_field(heading: str, fields: Sequence[Field]) -> str | None:
+    """Return the field that a heading names, whatever its unit."""
+    word = folded(split_heading(heading)[0])
+    return next((field.name for field in fields if word in field.headings), None)
+
+
+def _fault_of(heading: str, fields: Sequence[Field], used: set[str]) -> str:
+    """Return what is wrong with a heading that was not understood; empty where nothing is."""
+    words, unit = split_heading(heading)
+    name = _named_field(heading, fields)
+    if name is None:
+        left = [field.name for field in fields if field.name not in used]
+        close = get_close_matches(words.strip().lower(), left, n=1, cutoff=ALIKE)
+        return f"unknown column {heading!r}; did you mean {close[0]!r}?" if close else ""
+    wanted = next(field.unit for field in fields if field.name == name)
+    if unit_fits(unit, wanted):
+        return ""
+    if wanted in (TEXT, COUNT):
+        return f"column {heading!r}: takes no unit"
+    return f"column {heading!r}: the unit does not fit; expected {expectation(wanted)}"
 
 
 def mapping_text(mappings: Sequence[SheetMapping], source: Path) -> str:
@@ -152,9 +245,10 @@ def apply_mapping(
     return mappings
 
 
-def _matched(sheet: Sheet, row: int, kind: str) -> SheetMapping | None:
+def _matched(
+    sheet: Sheet, row: int, kind: str, fields: Sequence[Field], needs: Sequence[Sequence[str]]
+) -> SheetMapping | None:
     uses, aside = [], []
-    fields = fields_of(kind)
     units = _units_below(sheet, row)
     for column, cell in enumerate(sheet.rows[row]):
         if not isinstance(cell, str):
@@ -165,7 +259,7 @@ def _matched(sheet: Sheet, row: int, kind: str) -> SheetMapping | None:
         else:
             uses.append(Use(column, cell, found.field, found.unit, found.strip, found.sensor))
     names = {use.field.name for use in uses}
-    if not all(any(name in names for name in group) for group in _NEEDS[kind]):
+    if not all(any(name in names for name in group) for group in needs):
         return None
     first = row + (2 if units else 1)
     return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside))
@@ -177,20 +271,20 @@ def _units_below(sheet: Sheet, row: int) -> dict[int, str]:
     texts = {i: c.strip("[]() ") for i, c in enumerate(cells) if isinstance(c, str)}
     if not texts or len(texts) < len([c for c in cells if c is not None]):
         return {}
-    wanted = {field.unit for kind in _NEEDS for field in fields_of(kind)} - {TEXT, ANY}
+    wanted = {field.unit for kind in NEEDS for field in fields_of(kind)} - {TEXT, ANY}
     if not all(t == "-" or any(unit_fits(t, unit) for unit in wanted) for t in texts.values()):
         return {}
     return {i: text for i, text in texts.items() if text != "-"}
 
 
 def _refuse_double(mapping: SheetMapping) -> None:
-    seen: dict[str, str] = {}
+    seen: dict[str, Use] = {}
     for use in mapping.uses:
-        other = seen.setdefault(use.field.name, use.heading)
-        if other != use.heading or seen[use.field.name] != use.heading:
+        other = seen.setdefault(use.field.name, use)
+        if other is not use:
             raise InputError(
-                f"{mapping.sheet.label}: the columns {other!r} and {use.heading!r} could both be "
-                f"{use.field.name}; rename one, or write a mapping file"
+                f"{mapping.sheet.label}: the columns {other.heading!r} and {use.heading!r} could "
+                f"both be {use.field.name}; rename one, or say in a mapping file which is meant"
             )
 
 

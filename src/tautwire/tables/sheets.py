@@ -21,6 +21,10 @@ MOST_BYTES = 20_000_000
 """Largest file that is read; also the most that a workbook may unpack to, ten times over."""
 MOST_ROWS, MOST_COLUMNS = 20_000, 200
 """Rows and columns of a workbook that are read: a lone cell in a far corner costs nothing."""
+MOST_CELLS = 1000
+"""Columns of a text; recorders write some hundred channels at most."""
+HEADING_ROWS = 40
+"""Rows from the top among which the headings are looked for: titles and stamps stand above them."""
 _QUOTED = re.compile(r'"[^"]*"')
 _ENCODINGS = ("utf-8-sig", "cp1252")
 """Tried in this order; every byte is a letter of the second."""
@@ -63,32 +67,46 @@ class Sheet:
         return f"{self.label}, line {self.numbers[row]}, column {column + 1}"
 
 
-def read_sheets(path: Path) -> list[Sheet]:
+def read_sheets(path: Path, content: bytes, most_rows: int = MOST_ROWS) -> list[Sheet]:
     """Read every sheet of a file that holds anything.
+
+    Parameters
+    ----------
+    path
+        Names the file in messages, and by its end tells workbooks from texts.
+    content
+        All of the file.
+    most_rows
+        A longer text is refused before its cells are read; of a workbook no more rows are read.
 
     Raises
     ------
     InputError
         When the file cannot be read as a table.
     """
-    try:
-        size = path.stat().st_size
-        content = path.read_bytes() if path.is_file() and size <= MOST_BYTES else b""
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    if not content:
-        limit = f"more than {MOST_BYTES / 1e6:g} MB" if size > MOST_BYTES else "empty or no file"
-        raise InputError(f"{path}: is {limit}; give a table of a line")
-    is_workbook = path.suffix.lower() in (".xlsx", ".xlsm")
-    sheets = (
-        workbook_sheets(path, content, MOST_ROWS)
-        if is_workbook
-        else [text_sheet(path, decoded(path, content), path.stem)]
-    )
+    if path.suffix.lower() in (".xlsx", ".xlsm"):
+        sheets = workbook_sheets(path, content, most_rows)
+    else:
+        text = decoded(path, content)
+        _refuse_long(path, text, most_rows)
+        sheets = [text_sheet(path, text, path.stem)]
     filled = [sheet for sheet in sheets if len(sheet.rows) > 1]
     if not filled:
-        raise InputError(f"{path}: holds no table; a table has a row of headings and rows below")
+        what = "has a header but no rows" if any(sheet.rows for sheet in sheets) else "has no rows"
+        raise InputError(
+            f"{path}: {what}; a table has a row of headings, and below it one row per item"
+        )
     return filled
+
+
+def _refuse_long(path: Path, text: str, most_rows: int) -> None:
+    """Refuse a text with very many lines, or lines with very many cells, before it is parsed."""
+    lines = text.count("\n") - 1
+    if lines > most_rows + HEADING_ROWS:
+        raise InputError(f"{path}: has {lines:,} rows; at most {most_rows:,} are read")
+    longest = max(text.splitlines(), key=len, default="")
+    if max(longest.count(separator) for separator in ";\t|,") >= MOST_CELLS:
+        raise InputError(f"{path}: has more than {MOST_CELLS} columns")
 
 
 def text_sheet(path: Path, text: str, name: str) -> Sheet:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import re
+from math import isfinite
 
 from tautwire.tables.columns import ANY, COUNT, DEGREES, TEXT
 from tautwire.tables.sheets import Cell
-from tautwire.text import unprintable
+from tautwire.text import shortened, unprintable
 from tautwire.units import UnitError, expectation, parse_quantity
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 NOTHING = ("", "-", "–", "—", "nan", "n/a", "k.a.", "k. a.", "s.o.", "n.d.", "无效")
+_PLAIN = re.compile(r"[+-]?[0-9]+(?:\.[0-9]*)?(?:[eE][+-]?[0-9]+)?")
+_LONGEST = 400
+"""Characters of a number; the longest that is finite has 309 before its decimal point."""
 _KM_M = re.compile(r"([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)")
 _RATIO = {"‰": 1e-3, "per mille": 1e-3, "mm/m": 1e-3, "%": 1e-2}
 _SPOKEN = {
@@ -106,17 +110,23 @@ def number_of(cell: Cell, unit: str, wanted: str, *, decimal_comma: bool) -> flo
     if isinstance(cell, str):
         text = _with_point(text, decimal_comma=decimal_comma)
     if wanted == COUNT:
-        if not re.fullmatch(r"[0-9]{1,6}(\.0*)?", text) or float(text) < 1:
-            raise CellError(f"got {cell!r}; expected a number 1, 2, 3 ...")
+        if len(text) > _LONGEST or not re.fullmatch(r"[0-9]{1,6}(\.0*)?", text) or float(text) < 1:
+            raise CellError(f"got {shortened(str(cell), 40)!r}; expected a number 1, 2, 3 ...")
         return float(text)
     if wanted == "m" and (match := _KM_M.fullmatch(text)):
         return 1e3 * float(match.group(1)) + float(match.group(2))
+    if len(text) > _LONGEST:
+        raise CellError(f"got {shortened(text, 40)!r}; expected {expectation(wanted)}")
+    if unit in ("", wanted) and _PLAIN.fullmatch(text) and isfinite(value := float(text)):
+        return value
     has_unit = bool(re.search(r"[^0-9.eE+\s-]", text))
     own = "" if has_unit or unit.lower() == "km+m" else f" {spoken(unit or wanted, wanted)}"
     try:
         return parse_quantity(text + own, wanted)
     except UnitError:
-        raise CellError(f"got {cell!r}; expected {expectation(wanted)}") from None
+        raise CellError(
+            f"got {shortened(repr(cell), 60)}; expected {expectation(wanted)}"
+        ) from None
 
 
 def _refuse_error(cell: Cell) -> None:

@@ -13,6 +13,7 @@ from tautwire.analyses.design.supports import (
     support_forces,
     temperatures,
 )
+from tautwire.analyses.design.tensions import TensionProfile, tension_profiles
 from tautwire.model.build import Model
 from tautwire.plain import Plain, named
 from tautwire.results.conditions import ConditionState
@@ -28,6 +29,8 @@ class MastState(Plain):
     condition : str
         ``"design"`` for the line without one.
     forces : tuple of SupportForce
+    tensions : tuple of TensionProfile
+        Along the line.
     clearances : tuple of Clearance
         From the structures over the line.
     exceeded : tuple of str
@@ -36,6 +39,7 @@ class MastState(Plain):
 
     condition: str
     forces: tuple[SupportForce, ...]
+    tensions: tuple[TensionProfile, ...]
     clearances: tuple[Clearance, ...]
     exceeded: tuple[str, ...]
 
@@ -92,4 +96,5 @@ def _state(model: Model, state: ConditionState) -> MastState:
     name = None if state.name == DESIGN else state.name
     own = replace(model, case=model.case.with_condition(name))
     forces, distances = support_forces(own, state.shape), clearances(own, state.shape)
-    return MastState(state.name, forces, distances, exceeded(own, forces, distances))
+    tensions, unkept = tension_profiles(own, state.shape), exceeded(own, forces, distances)
+    return MastState(state.name, forces, tensions, distances, unkept)

@@ -240,18 +240,17 @@ def dropper_statistics(run: Run, section: Section) -> DropperStatistics:
     shape = run.equilibrium
     chosen = (shape.dropper_span >= section.first_span) & (shape.dropper_span <= section.last_span)
     mask = passage_mask(run, section)
-    history = run.dropper_force[mask][:, chosen]
-    weights = _sample_durations(run.time)[mask]
-    empty = np.full(int(chosen.sum()), np.nan)
+    durations = _sample_durations(run.time)
+    found = run.droppers.extremes(mask, durations, np.flatnonzero(chosen))
     return DropperStatistics(
         span=shape.dropper_span[chosen],
         number=shape.dropper_number[chosen],
         position=shape.dropper_x[chosen],
         static_force=shape.dropper_forces[chosen],
-        maximum=history.max(axis=0).astype(np.float64) if history.shape[0] else empty,
-        minimum=history.min(axis=0).astype(np.float64) if history.shape[0] else empty,
-        slack_time=weights @ (history <= 0.0),
-        observed=float(weights.sum()),
+        maximum=found.largest,
+        minimum=found.least,
+        slack_time=found.slack_time,
+        observed=float(durations[mask].sum()),
     )
 
 

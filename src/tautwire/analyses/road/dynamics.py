@@ -10,23 +10,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.recorder import Recorder, Sampling
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
-from tautwire.model.mesh import Strand
 from tautwire.model.passage import Passage, plan_passage
 from tautwire.numerics.events.crossings import Crossing
 from tautwire.numerics.events.refinement import AdaptiveStep
 from tautwire.numerics.events.step_control import ConstantStep, StepControl, Task, VariableStep
 from tautwire.numerics.motion.backend import Choice, backend_of, make_stepper
 from tautwire.numerics.motion.dispersion import wave_stiffening
-from tautwire.numerics.motion.stepper import SAME_TIME, StepBlock, StepOptions, Stepper
+from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
 from tautwire.numerics.newmark import HHT, Integrator, Newmark
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.provenance import provenance
-from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
+from tautwire.results.run import Run
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -136,33 +136,32 @@ class Simulation:
                 wave_stiffening(system, self.integrator) if self.stepping.corrects_waves else None
             ),
         )
-        supports = model.mesh.nodes(at for _, at in model.line.contact_supports)
-        self._supports = model.mesh.frames[supports]
-        observed = (6 * supports[:, None] + np.arange(3)).ravel()
+        step = self.stepping.time_step
+        whole = np.ceil(self.passage.duration / step - 1e-9)
+        interval = SHAPE_INTERVAL if settings.store_shapes else FRAME_INTERVAL
+        self.sampling = Sampling(
+            step, int(min(whole, self.passage.latest // step)), max(1, round(interval / step))
+        )
+        self.recorder = Recorder(model, shape, self.passage, self.sampling)
         self.stepper: Stepper = make_stepper(
-            system, self.passage.pantographs, options, observed, choices.backend or settings.backend
+            system,
+            self.passage.pantographs,
+            options,
+            self.recorder.observed,
+            choices.backend or settings.backend,
         )
         self.backend = backend_of(self.stepper)
-        whole = np.ceil(self.passage.duration / self.stepping.time_step - 1e-9)
-        self.step_count = int(min(whole, self.passage.latest // self.stepping.time_step))
 
     def blocks(self) -> Iterator[Block]:
         """Advance to the end of the passage, block by block; the last block tells the status."""
-        interval = SHAPE_INTERVAL if self.model.case.settings.store_shapes else FRAME_INTERVAL
-        size = max(1, round(interval / self.stepping.time_step))
         begin, reached = clock.perf_counter(), 0.0
         stiffness = self.model.case.settings.contact_stiffness
-        task = Task(self.stepper, self.step_count, size, stiffness, self._focus())
+        samples = self.sampling
+        task = Task(self.stepper, samples.count, samples.frame, stiffness, self._focus())
         for chunk in self.stepping.integrate(task):
             reached = float(chunk.steps.time[-1]) if len(chunk.steps.time) else reached
             progress = Progress(reached, self.passage.duration, clock.perf_counter() - begin)
             yield Block(chunk.steps, chunk.coordinates, progress, chunk.crossings)
-
-    def support_heights(self, steps: Sequence[StepBlock]) -> Array:
-        """Return the heights of contact wires at supports, ``(n_time, n_support)`` [m]."""
-        count = len(self._supports.origin)
-        found = _join([s.observed for s in steps], (3 * count,)).reshape(-1, count, 3)
-        return self._supports.to_local(found)[..., 2]
 
     def _focus(self) -> tuple[float, float]:
         """Return when the first pantograph enters the analysed section and the last leaves it."""
@@ -237,21 +236,21 @@ def simulate(
     """
     forces = None if uplift_forces is None else tuple(uplift_forces)
     simulation = Simulation(model, shape, Choices(integrator, stepping, forces, backend))
-    blocks: list[Block] = []
-    status = Status.DONE
+    recorder, status, last = simulation.recorder, Status.DONE, Status.RUNNING
     cpu, wall = clock.process_time(), clock.perf_counter()
     try:
         for block in simulation.blocks():
-            blocks.append(block)
+            recorder.add(block.steps, block.coordinates, block.crossings)
+            last = block.steps.status
             if watch is not None and watch(block.progress):
                 status = Status.INTERRUPTED
                 break
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    if blocks and blocks[-1].steps.status is not Status.RUNNING:
-        status = blocks[-1].steps.status
+    if last is not Status.RUNNING:
+        status = last
     spent = (clock.process_time() - cpu, clock.perf_counter() - wall)
-    run = _collect(simulation, blocks, status, spent)
+    run = _collect(simulation, status, spent)
     if status not in (Status.DONE, Status.INTERRUPTED):
         raise ConvergenceError(run.message, partial=run)
     return run
@@ -283,45 +282,26 @@ def _stepping(model: Model) -> StepControl:
     return ConstantStep(step, corrects_waves=bool(spec.corrects_waves))
 
 
-def _collect(
-    simulation: Simulation, blocks: list[Block], status: Status, spent: tuple[float, float]
-) -> Run:
-    """Join the blocks of a passage into a run."""
-    model, shape = simulation.model, simulation.shape
-    steps = [b.steps for b in blocks]
-    time = _join([s.time for s in steps], ())
+def _collect(simulation: Simulation, status: Status, spent: tuple[float, float]) -> Run:
+    """Make a run of what a passage has left behind."""
+    model, recorder = simulation.model, simulation.recorder
+    time = recorder.time
     words = {Status.DONE: "done", Status.INTERRUPTED: "partial"}
     return Run(
         case=model.case,
-        equilibrium=shape,
+        equilibrium=simulation.shape,
         status=words.get(status, "failed"),
         message=_message(status, time),
         time=time,
-        pantographs=_records(simulation, steps, time),
-        support_uplift=(simulation.support_heights(steps) - shape.support_heights).astype(
-            np.float32
-        ),
-        dropper_force=_join([s.dropper_force for s in steps], (len(shape.dropper_x),)).astype(
-            np.float32
-        ),
-        snapshots=_snapshots(simulation, blocks),
+        pantographs=recorder.pantographs(),
+        support_uplift=recorder.support_uplift(),
+        droppers=recorder.droppers(),
+        snapshots=recorder.snapshots(),
         counters=_counters(simulation, time, spent),
         warnings=tuple(simulation.passage.warnings),
         provenance=provenance(model.case, simulation.backend),
-        events=_events(blocks),
+        events=recorder.events(),
         irregularities=_irregularities(model),
-    )
-
-
-def _events(blocks: list[Block]) -> ContactEvents | None:
-    located = [b.crossings for b in blocks if b.crossings is not None]
-    if not located:
-        return None
-    crossings = sorted((c for part in located for c in part), key=lambda c: c.time)
-    return ContactEvents(
-        time=np.array([c.time for c in crossings], dtype=float),
-        pantograph=np.array([c.pantograph for c in crossings], dtype=np.int64),
-        opens=np.array([c.opens for c in crossings], dtype=bool),
     )
 
 
@@ -335,70 +315,6 @@ def _message(status: Status, time: Array) -> str:
         return ""
     reached = f"t = {time[-1]:.3f} s" if len(time) else "the start"
     return f"The passage stopped at {reached}. {status.sentence} {status.cure}"
-
-
-def _join(parts: list[Array], shape: tuple[int, ...]) -> Array:
-    return np.concatenate(parts) if parts else np.empty((0, *shape))
-
-
-def _records(
-    simulation: Simulation, steps: list[StepBlock], time: Array
-) -> tuple[PantographRecord, ...]:
-    case = simulation.model.case
-    count = len(case.pantographs)
-    joined = {
-        name: _join([getattr(s, name) for s in steps], (count,))
-        for name in ("contact_force", "gap", "wire_height")
-    }
-    wires = len(simulation.shape.of_role("contact"))
-    shares = _join([s.path_force for s in steps], (count, wires))
-    stages = _join([s.stages for s in steps], (sum(len(p.stages) for p in case.pantographs),))
-    ends = np.cumsum([len(p.stages) for p in case.pantographs])
-    target = case.scenario.target_mean_force()
-    records = []
-    passage = simulation.passage
-    for i, (spec, given) in enumerate(zip(case.pantographs, passage.pantographs, strict=True)):
-        records.append(
-            PantographRecord(
-                name=spec.name,
-                uplift_force=passage.uplift_forces[i],
-                target_mean=target,
-                position=given.start_x + given.velocity * (time - given.start_time),
-                contact_force=joined["contact_force"][:, i],
-                gap=joined["gap"][:, i],
-                wire_height=joined["wire_height"][:, i],
-                wire_forces=shares[:, i],
-                stage_heights=stages[:, ends[i] - len(spec.stages) : ends[i]],
-                active=time >= given.start_time - SAME_TIME,
-            )
-        )
-    return tuple(records)
-
-
-def _snapshots(simulation: Simulation, blocks: list[Block]) -> Snapshots:
-    """Thin the shapes at the block ends: attachments and middles between them; or every node."""
-    model = simulation.model
-    every = model.case.settings.store_shapes
-    kept = [np.arange(len(s.s)) if every else _coarse(model, s) for s in model.mesh.strands]
-    nodes = [strand.nodes[own] for strand, own in zip(model.mesh.strands, kept, strict=True)]
-    chosen = np.concatenate(nodes)
-    frames = model.mesh.frames[chosen]
-    states = [simulation.shape.position] + [b.coordinates for b in blocks]
-    return Snapshots(
-        time=np.array([0.0] + [b.progress.time for b in blocks]),
-        x=model.mesh.s[chosen],
-        wire=np.repeat(np.arange(len(nodes)), [len(own) for own in nodes]),
-        z=np.array(
-            [frames.to_local(q.reshape(-1, 6)[chosen, :3])[:, 2] for q in states],
-            dtype=np.float32,
-        ),
-    )
-
-
-def _coarse(model: Model, strand: Strand) -> NDArray[np.int64]:
-    """Return which nodes of a strand are attachments or lie midway between two."""
-    points = np.array([strand.position(s) for s in model.line.points(strand.run.name)])
-    return np.unique(np.concatenate([points, (points[:-1] + points[1:]) // 2]))
 
 
 def _counters(simulation: Simulation, time: Array, spent: tuple[float, float]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.defects import Placed, placed
 from tautwire.model.build import Model
 from tautwire.model.equations import anchored_ends, at_rest, is_held
+from tautwire.model.operation.cantilevers import cantilevers_of
 from tautwire.model.operation.defects import lumps, with_defects, without_broken
 from tautwire.model.operation.devices import (
     EndState,
@@ -36,6 +37,11 @@ Ends = list[tuple[WireEnd, EndState]]
 
 _PASSES = 20
 """Most attempts to find which ends of wires move and which are held."""
+
+
+_SAME_FORCE = 1e-2
+"""Change of what turned cantilevers take along the track that counts as none [N]: a millionth of a
+tension."""
 
 
 @single_threaded
@@ -77,9 +83,11 @@ def operate(model: Model, design: Equilibrium) -> Equilibrium:
         (end, first_state(end, before, is_seized=_is_seized(model, end, defects)))
         for end, before in zip(wires, previous, strict=True)
     ]
-    iterations = 0
+    turning, iterations = cantilevers_of(model), 0
+    turned = turning.square
     for _ in range(_PASSES):
         start, system = _prepared(model, design, condition, defects, ends)
+        system = turned.on(model, turning, system)
         settled = settle(start, system, _swing(model, system, wires))
         iterations += settled.iterations
         _refuse_unsettled(condition, settled)
@@ -87,15 +95,17 @@ def operate(model: Model, design: Equilibrium) -> Equilibrium:
             (end, next_state(end, state, before, *_moved(end, design, settled.system)))
             for (end, state), before in zip(ends, previous, strict=True)
         ]
-        if found == ends:
+        before, turned = turned, turning.turned(model, settled.system, design.position)
+        is_steady = bool(np.all(np.abs(turned.along - before.along) < _SAME_FORCE))
+        if found == ends and is_steady:
             settled = replace(settled, iterations=iterations)
             shape = _equilibrium(model, design, condition, settled, ends)
             refuse_impossible(model, shape)
             return shape
         ends = found
     raise ConvergenceError(
-        f"condition {condition.name!r}: the tensioning devices do not settle; check the ranges and "
-        "efficiencies of line.ends"
+        f"condition {condition.name!r}: the tensioning devices or turning cantilevers do not "
+        "settle; check the ranges and efficiencies of line.ends, and supports.hinge"
     )
 
 

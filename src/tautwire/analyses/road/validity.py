@@ -52,7 +52,7 @@ def _mean_forces(run: Run) -> Iterator[str]:
     case, section = run.case, analysed_section(run)
     for spec, record in zip(case.pantographs, run.pantographs, strict=True):
         inside = section.contains(record.position) & record.active
-        stages = sum(stage.force.at(case.scenario.speed) for stage in spec.stages)
+        stages = sum(spec.stage_forces(case.scenario.air))
         acting = record.uplift_force + stages
         if record.uplift_force <= 0.0 or acting <= 0.0 or not inside.any():
             continue

@@ -20,24 +20,34 @@ def report_runs(
     out: Path,
     criteria: Criteria,
     project: Path | None = None,
+    *,
+    pdf: bool = False,
 ) -> None:
     """Write the report of one run, or of several overlaid, with the project block of a file."""
-    from tautwire.report.pages.run_page import write_report
+    from tautwire.report.pages.run_page import compose_report
+    from tautwire.report.writers.page import PDF
 
-    _refuse_unwritable(out)
+    wanted = list(dict.fromkeys([out, out.with_suffix(PDF)] if pdf else [out]))
+    for path in wanted:
+        _refuse_unwritable(path)
+    if any(path.suffix.lower() == PDF for path in wanted):
+        from tautwire.report.writers.pdf import require_pdf
+
+        require_pdf()
     block = None if project is None else load_project(project)
     runs = load_runs(paths)
-    written = write_report(
+    page = compose_report(
         runs,
-        out,
         [load_elasticity(path) for path in paths],
         criteria=criteria,
         project=block,
     )
+    written = [str(page.write(path)) for path in wanted]
     answer.document.update(
         {
             "version": __version__,
-            "file": str(written),
+            "file": written[0],
+            "files": written,
             "runs": [
                 {
                     "file": str(path),
@@ -49,7 +59,7 @@ def report_runs(
             ],
         }
     )
-    answer.show(f"{written} written")
+    answer.show(*(f"{name} written" for name in written))
 
 
 def load_runs(paths: Sequence[Path]) -> list[Run]:

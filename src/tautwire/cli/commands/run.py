@@ -52,7 +52,8 @@ class RunRequest:
     overrides : sequence of str
     out : Path or None
     criteria : Criteria
-    with_report : bool
+    reports : tuple of str
+        Kinds of report that are written: ``"html"``, ``"pdf"``.
     force : bool
         Replace the files of another result.
     project : Path or None
@@ -63,13 +64,17 @@ class RunRequest:
     overrides: Sequence[str]
     out: Path | None
     criteria: Criteria
-    with_report: bool
+    reports: tuple[str, ...]
     force: bool = False
     project: Path | None = None
 
 
 def run_passage(answer: Answer, request: RunRequest) -> None:
     """Simulate a passage, show it and write its files, also when it was stopped or failed."""
+    if "pdf" in request.reports:
+        from tautwire.report.writers.pdf import require_pdf
+
+        require_pdf()
     announce_workbook(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
     interrupts = Interrupts()
@@ -91,8 +96,9 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
                     files.write(RUN_FILE, lambda path: save_run(run, path, elasticity))
                 with _telling_what_is_kept(answer, files):
                     _present(answer, run, request.criteria, [str(item) for item in advice])
-                    asked = request.criteria if request.with_report else None
-                    _write(answer, files, run, elasticity, asked)
+                    _write(answer, files, run)
+                    _write_reports(answer, files, run, elasticity, request)
+                    _list_files(answer, files)
     if run.status == "failed":
         answer.fail("computation", [run.message], FAILED)
     elif interrupts.requested is not None:
@@ -183,28 +189,31 @@ def _elasticity(run: Run) -> Elasticity | None:
         return None
 
 
-def _write(
-    answer: Answer,
-    files: Files,
-    run: Run,
-    elasticity: Elasticity | None,
-    criteria: Criteria | None,
-) -> None:
-    """Write the files of a run, the most important first; the report where there are criteria."""
+def _write(answer: Answer, files: Files, run: Run) -> None:
+    """Write the numbers of a run, the most important first."""
     text = to_json(answer.document) + "\n"
     files.write("results.json", lambda path: write_text(path, text))
     files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
     for number, record in enumerate(run.pantographs, 1):
         name = "force.csv" if number == 1 else f"force-{number}.csv"
         files.write(name, lambda path, who=record.name: write_force_history(run, path, who))
-    if criteria is not None:
-        from tautwire.report.pages.run_page import write_report
 
-        answer.say("writing the report")
-        files.write(
-            "report.html",
-            lambda path: write_report(run, path, elasticity, criteria=criteria),
-        )
+
+def _write_reports(
+    answer: Answer, files: Files, run: Run, elasticity: Elasticity | None, request: RunRequest
+) -> None:
+    """Write the report in every form that was asked for, from one content."""
+    if not request.reports:
+        return
+    from tautwire.report.pages.run_page import compose_report
+
+    answer.say("writing the report")
+    page = compose_report(run, elasticity, criteria=request.criteria)
+    for kind in request.reports:
+        files.write(f"report.{kind}", page.write)
+
+
+def _list_files(answer: Answer, files: Files) -> None:
     answer.document["files"] = files.written
     answer.show(heading("Files"), files_written(files.written))
     if files.problems:

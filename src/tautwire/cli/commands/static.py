@@ -8,10 +8,13 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.design.lateral import lateral_sweep
 from tautwire.analyses.design.masts import Masts, masts_of
 from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
+from tautwire.assessment.design.checks import DesignCheck, design_checks
+from tautwire.assessment.design.lateral import LateralCheck, known_gauge, lateral_check
 from tautwire.cli.about import backend, program
 from tautwire.cli.folders import Files, result_folder
 from tautwire.cli.interrupts import Interrupts
@@ -19,18 +22,24 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
 from tautwire.cli.session import DONE, FAILED, Answer, OutputError
 from tautwire.cli.views.conditions_view import conditions_view
+from tautwire.cli.views.design_view import lateral_view, masts_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
-from tautwire.cli.views.masts_view import masts_view
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
-from tautwire.report.pages.conditions_page import write_conditions_page
+from tautwire.report.pages.conditions_page import ConditionsPage, write_conditions_page
 from tautwire.report.parts.condition_words import conditions_csv
-from tautwire.report.parts.mast_words import installation_csv, supports_csv
+from tautwire.report.parts.design.check_words import checks_csv
+from tautwire.report.parts.design.lateral_words import lateral_csv
+from tautwire.report.parts.design.mast_words import (
+    installation_csv,
+    supports_csv,
+    tensions_csv,
+)
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.results.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -68,6 +77,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
     """
     announce_workbook(answer, request.case)
     case = load_case(request.case, request.overrides)
+    known_gauge(case.requirements.gauge)
     out, interrupts = request.out, Interrupts()
     with nullcontext() if out is None else result_folder(out, force=request.force) as files:
         answer.say(program(case.settings.backend))
@@ -82,7 +92,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
             elasticity = _elasticity(answer, interrupts, model, shape)
             cost = {"shape_cpu_s": found - begin, "elasticity_cpu_s": time.process_time() - found}
             states = _conditions(answer, interrupts, model, shape, elasticity)
-            masts = masts_of(model, states or (state_of(model, shape, elasticity),))
+            design = _design(model, shape, states or (state_of(model, shape, elasticity),))
             name = backend(case.settings.backend)
             with interrupts.patient():
                 odd = [*implausible_inputs(case), *implausible_shape(case, shape)]
@@ -94,15 +104,13 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
                 answer.document["cost"] = {"dof": shape.position.size, **cost}
                 answer.show(*static_view(case, shape, elasticity))
                 _show_conditions(answer, states)
-                answer.document["masts"] = masts.as_dict()
-                answer.show(*masts_view(masts, _contact_wires(shape)))
+                _show_design(answer, design)
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
-                    _write_masts(files, masts)
-                    _write_conditions(files, case, states, masts)
+                    _write_design(files, case, design)
                     _list_files(answer, files)
     answer.exit_code = interrupts.exit_code
-    if answer.exit_code == DONE and any(state.fault for state in states):
+    if answer.exit_code == DONE and design.has_faults:
         answer.exit_code = FAILED
 
 
@@ -156,23 +164,56 @@ def _show_conditions(answer: Answer, states: tuple[ConditionState, ...]) -> None
         answer.show(*conditions_view(states))
 
 
-def _contact_wires(shape: Equilibrium) -> tuple[str, ...]:
-    return tuple(wire.name for wire in shape.of_role("contact"))
+@dataclass(frozen=True)
+class _Design:
+    """What those who design the line ask for: its states, and what follows from them."""
+
+    states: tuple[ConditionState, ...]
+    masts: Masts
+    lateral: LateralCheck | None
+    checks: tuple[DesignCheck, ...]
+
+    @property
+    def has_faults(self) -> bool:
+        own = () if self.lateral is None else self.lateral.faults
+        return bool(own) or any(state.fault for state in self.states)
 
 
-def _write_masts(files: Files, masts: Masts) -> None:
+def _design(model: Model, shape: Equilibrium, states: tuple[ConditionState, ...]) -> _Design:
+    gauge, lateral = model.case.requirements.gauge, None
+    if gauge is not None and shape.operated is None:
+        lateral = lateral_check(lateral_sweep(model, shape, gauge), gauge)
+    return _Design(states, masts_of(model, states), lateral, design_checks(model, states))
+
+
+def _show_design(answer: Answer, design: _Design) -> None:
+    contact = tuple(
+        w.name for s in design.states[:1] if s.shape for w in s.shape.of_role("contact")
+    )
+    answer.document["masts"] = design.masts.as_dict()
+    answer.show(*masts_view(design.masts, contact))
+    if design.lateral is not None:
+        answer.document["lateral"] = design.lateral.as_dict()
+        answer.show(*lateral_view(design.lateral))
+    answer.document["design_checks"] = [one.as_dict() for one in design.checks]
+
+
+def _write_design(files: Files, case: Case, design: _Design) -> None:
+    masts, lateral, states = design.masts, design.lateral, design.states
     files.write("supports.csv", lambda path: write_text(path, supports_csv(masts)))
+    if len(states) > 1:
+        files.write("tensions.csv", lambda path: write_text(path, tensions_csv(masts)))
     if masts.installation:
         files.write("installation.csv", lambda path: write_text(path, installation_csv(masts)))
-
-
-def _write_conditions(
-    files: Files, case: Case, states: tuple[ConditionState, ...], masts: Masts
-) -> None:
-    if not states:
-        return
-    files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
-    files.write("conditions.html", lambda path: write_conditions_page(case, states, masts, path))
+    if lateral is not None:
+        files.write("lateral.csv", lambda path: write_text(path, lateral_csv(lateral)))
+    if design.checks:
+        files.write("design.csv", lambda path: write_text(path, checks_csv(design.checks)))
+    if len(states) > 1:
+        files.write("conditions.csv", lambda path: write_text(path, conditions_csv(states)))
+    if len(states) > 1 or lateral is not None:
+        page = ConditionsPage(case, states, masts, lateral, design.checks)
+        files.write("conditions.html", lambda path: write_conditions_page(page, path))
 
 
 def elasticity_csv(elasticity: Elasticity) -> str:

@@ -86,6 +86,7 @@ def files_written(written: dict[str, str]) -> Table:
 
 _PURPOSE = {
     "report.html": "report",
+    "report.pdf": "report to print",
     "run.nc": "histories",
     "static.nc": "static state",
     "results.json": "results",
@@ -93,7 +94,10 @@ _PURPOSE = {
     "droppers.csv": "dropper table",
     "elasticity.csv": "elasticity",
     "supports.csv": "forces on supports",
+    "tensions.csv": "tension along the line",
     "installation.csv": "installation table",
+    "design.csv": "checks of the design",
+    "lateral.csv": "lateral position",
     "conditions.csv": "conditions",
     "conditions.html": "page of the conditions",
     "force.csv": "force history",

@@ -26,7 +26,8 @@ def read_case_text(path: Path) -> str:
     InputError
         When the file cannot be read as text.
     """
-    text = _read_text(path, MAX_CASE_BYTES, "a case file; keep long tables in CSV files ('tables')")
+    use = "a case file; keep long tables in CSV files ('tables')"
+    text = _decoded(path, _read(path, MAX_CASE_BYTES, use))
     if not text.strip():
         raise InputError(
             f"{named(path)}: is empty; 'tautwire cases ac-simple --copy my-line.yaml' writes a "
@@ -35,18 +36,18 @@ def read_case_text(path: Path) -> str:
     return text
 
 
-def read_table_text(path: Path) -> str:
-    """Read a CSV table of at most 20 MB.
+def read_table_bytes(path: Path) -> bytes:
+    """Read a table, a text or a workbook, of at most 20 MB.
 
     Raises
     ------
     InputError
-        When the file cannot be read as text.
+        When the file cannot be read.
     """
-    text = _read_text(path, MAX_TABLE_BYTES, "a table; split the file or thin out its rows")
-    if not text.strip():
+    content = _read(path, MAX_TABLE_BYTES, "a table; split the file or thin out its rows")
+    if not content.strip():
         raise InputError(f"{named(path)}: is empty; a table has a header row and one row per item")
-    return text
+    return content
 
 
 def read_image(path: Path, limit: int) -> bytes:
@@ -89,17 +90,16 @@ def neighbours(path: Path) -> list[str]:
         return []
 
 
-def _read_text(path: Path, limit: int, use: str) -> str:
+def _read(path: Path, limit: int, use: str) -> bytes:
     size = size_of_regular_file(path)
     if size > limit:
         raise InputError(
             f"{named(path)}: has {size / 1e6:.1f} MB; at most {limit / 1e6:g} MB are read as {use}"
         )
     try:
-        content = _read_bytes(path, limit) if size else b""
+        return _read_bytes(path, limit) if size else b""
     except OSError as error:
         raise InputError(_unreadable(path, error)) from None
-    return _decoded(path, content)
 
 
 def _read_bytes(path: Path, limit: int) -> bytes:

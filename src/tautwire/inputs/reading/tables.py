@@ -1,274 +1,136 @@
-"""CSV tables: one row per support, per dropper, per time.
+"""Tables that a case names: of its line, and of lists that belong to one mapping.
 
-A table starts with one header row. A column is named ``name`` or ``name [unit]``; without a unit
-its numbers are SI. Cells hold plain numbers. Columns are separated by commas, semicolons or tabs;
-in a file with semicolons or tabs numbers may have a decimal comma. Lines that start with ``#`` and
-empty lines are skipped. The text is UTF-8, with or without byte order mark.
+Texts of any dialect and workbooks; columns are known by their headings in any spelling, their units
+stand in the headings (SI without one), and what means nothing here is left aside.
 """
 
 from __future__ import annotations
 
-import csv
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from io import StringIO
-from math import isfinite
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from tautwire.errors import InputError
-from tautwire.inputs.reading.files import did_you_mean, named, read_table_text
+from tautwire.inputs.paths import Path as ValuePath
+from tautwire.inputs.reading.files import read_table_bytes
 from tautwire.inputs.reading.grouping import grouped
-from tautwire.text import shortened
-from tautwire.units import UnitError, expectation, parse_quantity
+from tautwire.specs.line.catenary import MOST_SPANS
+from tautwire.tables.columns import Field, fields_of
+from tautwire.tables.line import LineTables, read_line
+from tautwire.tables.mapping import NEEDS, SheetMapping, match, refuse_headings
+from tautwire.tables.rows import Rows
+from tautwire.tables.sheets import Sheet, read_sheets
 
-COUNT = "#"
-MAX_COLUMNS = 1000
-"""Columns of a table; recorders write some hundred channels at most."""
-MAX_DIGITS = 400
-"""Characters of a number; the longest that is finite has 309 before its decimal point."""
-MAX_PROBLEMS = 1000
-"""Problems of one table after which the rest of it is not looked at."""
-
-_HEADER = re.compile(r"([^\[\]]+?)\s*(?:\[([^\[\]]*)\])?")
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-
+MOST_LINE_ROWS = 50 * MOST_SPANS
+"""Rows of a table of a line: fifty droppers to a span are more than twice as many as are built."""
+MOST_ROWS = 200_000
+"""Rows of a table that stands for lists: 20 km of a profile at 0.1 m, 200 s of a roof at 1 kHz."""
 
 Cells = Callable[[int], str]
 """Names the cell from which an item of a list was read, by the number of the item from 0."""
 
 
 @dataclass(frozen=True)
-class Column:
-    """A column that a table may have; the unit :data:`COUNT` stands for numbers 1, 2, 3 ..."""
-
-    name: str
-    unit: str
-    required: bool = False
-
-
-@dataclass
-class Table:
-    """The cells of a table as SI numbers, and the problems found so far.
+class Columns:
+    """Lists read from the columns of a table.
 
     Attributes
     ----------
-    label
-        Name of the file in messages.
-    lines
-        Line of the file on which each row stands.
-    columns
-        Values by column name; None for an empty cell. Columns without any value are left out.
-    titles
-        Column headers as they stand in the file.
-    decimal_comma
-        Whether numbers may be written with a comma, because something else separates the cells.
+    values
+        Numbers by column name.
+    cells
+        What names the cell of each number.
     """
 
-    label: str
-    decimal_comma: bool = False
-    lines: list[int] = field(default_factory=list)
-    columns: dict[str, list[float | None]] = field(default_factory=dict)
-    titles: dict[str, str] = field(default_factory=dict)
-    problems: list[str] = field(default_factory=list)
-
-    def cell(self, row: int, name: str) -> str:
-        """Name a cell in the user's words."""
-        return f"{self.label}, line {self.lines[row]}, column '{shortened(self.titles[name])}'"
-
-    def complain(self, row: int, name: str, text: str) -> None:
-        """Note a problem of one cell."""
-        self.problems.append(f"{self.cell(row, name)}: {text}")
-
-    def full_column(self, name: str) -> list[float]:
-        """Return a column in which every cell must have a value."""
-        values = self.columns.get(name, [])
-        for row, value in enumerate(values):
-            if value is None:
-                self.complain(row, name, "is empty; fill the column or leave all of it empty")
-        return [0.0 if value is None else value for value in values]
-
-    def raise_problems(self) -> None:
-        """Raise InputError when there is any problem."""
-        if self.problems:
-            is_cut = len(self.problems) >= MAX_PROBLEMS
-            rest = [f"{self.label}: the rows after these were not looked at"] if is_cut else []
-            raise InputError([*grouped(self.problems), *rest])
+    values: dict[str, list[float]]
+    cells: dict[str, Cells]
 
 
-def read_table(
-    path: Path,
-    columns: Sequence[Column],
-    *,
-    most_rows: int,
-) -> Table:
-    """Read a table whose columns are known by name.
-
-    Parameters
-    ----------
-    path
-        CSV file.
-    columns
-        The columns the table may or must have.
-    most_rows
-        A longer table is refused before its cells are read.
-
-    Returns
-    -------
-    Table
-        Values in SI.
+def open_sheets(path: Path, most_rows: int = MOST_LINE_ROWS) -> list[Sheet]:
+    """Read the sheets of a file of at most 20 MB.
 
     Raises
     ------
     InputError
-        Naming line and column of everything that is wrong; a file that has none of the columns is
-        refused without a word of its content.
+        When it cannot be read as a table.
     """
-    lines = _lines_with_content(read_table_text(path))
-    if not lines:
-        raise InputError(f"{named(path)}: has no header row; name the columns in the first line")
-    separator = next((s for s in ";\t" if s in lines[0][1]), ",")
-    table = Table(named(path), decimal_comma=separator != ",")
+    return read_sheets(path, read_table_bytes(path), most_rows)
+
+
+def line_sheet(kind: str, path: Path) -> SheetMapping:
+    """Return the sheet of a file that is a table of a kind, its columns matched.
+
+    Raises
+    ------
+    InputError
+        When there is none, naming what is missing and what is misspelt.
+    """
+    return _matched(open_sheets(path), kind, fields_of(kind), NEEDS[kind])
+
+
+def line_tables(mappings: Sequence[SheetMapping]) -> LineTables:
+    """Read matched sheets of one line.
+
+    Raises
+    ------
+    InputError
+        Naming every cell that cannot be used, those of a kind counted.
+    """
     try:
-        if lines[0][1].count(separator) >= MAX_COLUMNS:
-            raise InputError(f"{table.label}: has more than {MAX_COLUMNS} columns")
-        titles = _cells(lines[0][1], separator)
-        known = _read_header(table, titles, columns)
-        if len(lines) == 1:
-            raise InputError(f"{table.label}: has a header but no rows")
-        if len(lines) - 1 > most_rows:
-            raise InputError(
-                f"{table.label}: has {len(lines) - 1:,} rows; at most {most_rows:,} are read"
-            )
-        table.columns = {entry.column.name: [] for entry in known if entry is not None}
-        for number, line in lines[1:]:
-            _read_row(table, number, _cells(line, separator), known)
-            if len(table.problems) >= MAX_PROBLEMS:
-                break
-    except csv.Error as error:
-        raise InputError(f"{table.label}: is not a table ({error})") from None
-    table.raise_problems()
-    _drop_empty_columns(table, columns)
-    table.raise_problems()
-    return table
+        return read_line(mappings)
+    except InputError as error:
+        raise InputError(grouped(error.problems)) from None
 
 
-def _lines_with_content(text: str) -> list[tuple[int, str]]:
-    """Return the lines that are neither empty nor comments, with their numbers."""
-    return [
-        (number, line)
-        for number, line in enumerate(StringIO(text, newline=None), start=1)
-        if line.strip(" \t\n,;") and not line.lstrip().startswith("#")
-    ]
+def read_columns(path: Path, fields: Sequence[Field], optional: Iterable[str] = ()) -> Columns:
+    """Read a table that stands for lists of one mapping, such as the motion of a roof over time.
 
+    Parameters
+    ----------
+    path
+    fields
+        What the table holds.
+    optional
+        Names of the fields that it may lack.
 
-def _cells(line: str, separator: str) -> list[str]:
-    quoted = '"' in line
-    cells = next(csv.reader([line], delimiter=separator)) if quoted else line.split(separator)
-    return [cell.strip() for cell in cells]
-
-
-@dataclass(frozen=True)
-class _Known:
-    """A column that is read, and the unit of its cells."""
-
-    column: Column
-    unit: str
-
-
-def _read_header(table: Table, titles: list[str], columns: Sequence[Column]) -> list[_Known | None]:
-    """Return what is known about each column, None for one to be ignored."""
-    by_name = {column.name: column for column in columns}
-    matches = [_HEADER.fullmatch(title) for title in titles]
-    names = [m.group(1).strip().lower() if m else "" for m in matches]
-    if not by_name.keys() & set(names):
-        raise InputError(
-            f"{table.label}: is not a table with the columns {', '.join(by_name)}; the first line "
-            "names the columns, at least one of these"
-        )
-    known: list[_Known | None] = []
-    for title, match, name in zip(titles, matches, names, strict=True):
-        known.append(None)
-        if name not in by_name:
-            hint = did_you_mean(name, by_name) or f"; known are: {', '.join(by_name)}"
-            table.problems.append(f"{table.label}: unknown column '{shortened(title)}'{hint}")
-        elif name in table.titles:
-            table.problems.append(f"{table.label}: the column {name!r} is given twice")
-        else:
-            table.titles[name] = title
-            known[-1] = _Known(by_name[name], _unit_of(table, match, by_name[name]))
-    there = shortened(", ".join(titles), 200)
-    table.problems += [
-        f"{table.label}: the column {column.name!r} is missing; there are: {there}"
-        for column in columns
-        if column.required and column.name not in table.titles
-    ]
-    table.raise_problems()
-    return known
-
-
-def _unit_of(table: Table, header: re.Match[str] | None, column: Column) -> str:
-    """Return the unit of a column's cells, the SI unit where none is given."""
-    unit = header.group(2) if header is not None else None
-    if unit is None or header is None:
-        return column.unit
-    if column.unit == COUNT:
-        table.problems.append(f"{table.label}: column {header.group()!r}: takes no unit")
-        return column.unit
+    Raises
+    ------
+    InputError
+        Naming line and column of everything that is wrong.
+    """
+    needs = [(field.name,) for field in fields if field.name not in set(optional)]
+    rows = Rows(_matched(open_sheets(path, MOST_ROWS), "columns", fields, needs))
+    found = {use.field.name: rows.full(use.field.name) for use in rows.mapping.uses}
     try:
-        parse_quantity(f"1 {unit}", column.unit)
-    except UnitError:
-        table.problems.append(
-            f"{table.label}: column {header.group()!r}: the unit does not fit; expected "
-            f"{expectation(column.unit)}"
-        )
-        return column.unit
-    return unit
+        rows.raise_problems()
+    except InputError as error:
+        raise InputError(grouped(error.problems)) from None
+    for (name,) in needs:
+        if found[name] is None:
+            raise InputError(f"{path}: the column {name!r} is empty")
+    values = {name: column for name, column in found.items() if column is not None}
+    return Columns(values, {name: partial(rows.place, name=name) for name in values})
 
 
-def _read_row(table: Table, line: int, cells: list[str], known: Sequence[_Known | None]) -> None:
-    row = len(table.lines)
-    table.lines.append(line)
-    if len(cells) > len(known) and any(cells[len(known) :]):
-        table.problems.append(
-            f"{table.label}, line {line}: has {len(cells)} cells for {len(known)} columns; check "
-            "separators and decimal commas"
-        )
-    for index, entry in enumerate(known):
-        if entry is not None:
-            text = cells[index] if index < len(cells) else ""
-            value = _number(table, row, entry, text) if text else None
-            table.columns[entry.column.name].append(value)
+def cells_by_list(origins: Mapping[ValuePath, str]) -> dict[ValuePath, Cells]:
+    """Return what names the cells of each list, from the cells of single values by their paths."""
+    by_list: dict[ValuePath, dict[int, str]] = {}
+    for (*above, item), cell in origins.items():
+        by_list.setdefault(tuple(above), {})[int(item)] = cell
+    return {path: partial(_named_cell, cells) for path, cells in by_list.items()}
 
 
-def _number(table: Table, row: int, known: _Known, text: str) -> float:
-    column = known.column
-    if column.unit == COUNT:
-        if text.isdecimal() and 0 < int(text[:9]) < 10**6:
-            return float(text)
-        table.complain(row, column.name, f"got {text[:40]!r}; expected a number 1, 2, 3 ...")
-        return 0.0
-    digits = text.replace(",", ".", 1) if table.decimal_comma else text
-    if len(digits) > MAX_DIGITS or not _NUMBER.fullmatch(digits):
-        table.complain(
-            row,
-            column.name,
-            f"got {text[:40]!r}; cells hold plain numbers, and the unit stands in the header, as "
-            f"in '{column.name} [{column.unit}]'",
-        )
-        return 0.0
-    if known.unit == column.unit and isfinite(value := float(digits)):
-        return value
-    try:
-        return parse_quantity(f"{digits} {known.unit}", column.unit)
-    except UnitError as error:
-        table.complain(row, column.name, str(error))
-        return 0.0
+def _named_cell(cells: Mapping[int, str], item: int) -> str:
+    return cells.get(item, "")
 
 
-def _drop_empty_columns(table: Table, columns: Sequence[Column]) -> None:
-    for column in columns:
-        if column.name in table.columns and all(v is None for v in table.columns[column.name]):
-            del table.columns[column.name]
-            if column.required:
-                table.problems.append(f"{table.label}: the column {column.name!r} is empty")
+def _matched(
+    sheets: Sequence[Sheet], kind: str, fields: Sequence[Field], needs: Sequence[Sequence[str]]
+) -> SheetMapping:
+    found = [(sheet, match(sheet, kind, fields, needs)) for sheet in sheets]
+    sheet, mapping = max(found, key=lambda one: len(one[1].uses) if one[1] is not None else 0)
+    refuse_headings(sheet, fields, needs, mapping)
+    if mapping is None:  # lacks nothing in its first row, but has no rows of values
+        raise InputError(f"{sheet.label}: has no table of {kind}")
+    return mapping

@@ -110,6 +110,11 @@ def _wire_numbers(run: Run, condition: Condition) -> tuple[float, float, float, 
     return growth, 1.0 - worn, bending_left(worn), mass, wind
 
 
+def wind_on(run: Run, condition: Condition) -> float:
+    """Return the size of the wind's load per length on a wire [N/m]."""
+    return abs(_wire_numbers(run, condition)[-1])
+
+
 def _droppers(
     model: Model, system: System, condition: Condition, missing: Collection[int]
 ) -> tuple[Ties, Array]:

@@ -172,16 +172,12 @@ class FormFinder:
 
     def direction(self, x: Array, r: Array) -> Array | None:
         """Return Newton's step; None when the tangent is singular."""
-        from scipy.linalg import LinAlgError, solve_banded
+        from scipy.linalg.lapack import dgbsv  # pyright: ignore[reportAttributeAccessIssue]
 
-        system = self.unpack(x)
         width = self.pattern.bandwidth
-        band = self.bordered_band(system, width)
-        try:
-            step = solve_banded((width, width), band, -r, check_finite=False)
-        except LinAlgError:
-            return None
-        return self.pack_step(step)
+        band = self.bordered_band(self.unpack(x))
+        _, _, step, info = dgbsv(width, width, band, -r, overwrite_ab=True, overwrite_b=True)
+        return None if info else self.pack_step(step)
 
     def tangent(self, system: System) -> csr_array:
         """Return d(Q - G)/dq along the axes of the nodes, ``(n_dof, n_dof)``."""
@@ -189,20 +185,27 @@ class FormFinder:
         matrix = self.pattern.csr(self.pattern.values(parts))
         return (self.turning @ matrix @ self.turning.T).tocsr()
 
-    def bordered_band(self, system: System, width: int) -> Array:
-        """Return the tangent with length columns in general banded storage."""
+    def bordered_band(self, system: System) -> Array:
+        """Return the tangent with length columns as LAPACK factorises it.
+
+        Returns
+        -------
+        (3 * bandwidth + 1, n_dof)
+            General banded storage, column by column; the first ``bandwidth`` rows are room for the
+            factor.
+        """
+        held, width = self.problem.held, self.pattern.bandwidth
         matrix = self.tangent(system).tocoo()
-        kept = ~(self.problem.held | self.replaced)[matrix.col]
+        kept = ~(held[matrix.row] | (held | self.replaced)[matrix.col])
         blocks = [(matrix.row[kept], matrix.col[kept], matrix.data[kept])]
         blocks += [self.cable_columns(system), self.sought_columns(system), self.joint_columns()]
-        rows, cols, values = (np.concatenate(part) for part in zip(*blocks, strict=True))
-        keep = ~self.problem.held[rows]
-        flat = (width + rows - cols)[keep] * self.n_dof + cols[keep]
-        height = 2 * width + 1
-        band = np.bincount(flat, weights=values[keep], minlength=height * self.n_dof)
-        band = band.reshape(height, self.n_dof)
-        band[width, self.problem.held & ~self.replaced] += 1.0
-        return band
+        band = np.zeros((self.n_dof, 3 * width + 1))
+        for rows, cols, values in blocks:
+            own = ~held[rows]
+            place = cols[own] * np.int64(3 * width) + (2 * width + rows[own])
+            band.reshape(-1)[place] = values[own]  # no other entry goes there
+        band[held & ~self.replaced, 2 * width] += 1.0
+        return band.T
 
     def cable_columns(self, system: System) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dL0 of the wire elements."""

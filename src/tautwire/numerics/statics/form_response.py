@@ -44,9 +44,8 @@ class FormResponse:
 
         self._finder, self._system = FormFinder(problem), form.system
         self._width = self._finder.pattern.bandwidth
-        band = self._finder.bordered_band(form.system, self._width)
-        room = np.concatenate([np.zeros((self._width, band.shape[1])), band])
-        self._factor, self._pivots, info = dgbtrf(room, self._width, self._width)
+        band = self._finder.bordered_band(form.system)
+        self._factor, self._pivots, info = dgbtrf(band, self._width, self._width, overwrite_ab=True)
         if info:
             raise ValueError("the tangent of the shape is singular")
 

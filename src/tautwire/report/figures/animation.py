@@ -152,10 +152,10 @@ def _middle(run: Run, times: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _slack(run: Run, times: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Return which droppers are slack in which frame, one bit each, frame by frame."""
-    if not run.dropper_force.size:
+    if not run.droppers.force.size:
         return np.zeros(0, dtype=np.uint8)
     rows = np.clip(np.searchsorted(run.time, times), 0, run.time.size - 1)
-    return np.packbits(run.dropper_force[rows] <= 0.0)
+    return np.packbits(run.droppers.at(rows) <= 0.0)
 
 
 def _start_time(view: RunView) -> float:

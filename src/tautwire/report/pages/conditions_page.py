@@ -4,21 +4,35 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tautwire.analyses.design.masts import Masts
+from tautwire.assessment.design.checks import DesignCheck
+from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
+from tautwire.report.figures import design_figures
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
-from tautwire.report.parts.mast_words import (
+from tautwire.report.parts.design import check_words
+from tautwire.report.parts.design.lateral_words import (
+    ALIGN,
+    EXPLAINED,
+    HEAD,
+    lateral_rows,
+    worst_place,
+)
+from tautwire.report.parts.design.mast_words import (
     CLEARANCE_HEAD,
     FORCE_HEAD,
+    TENSION_HEAD,
     clearance_rows,
     force_rows,
     installation_head,
     installation_rows,
+    tension_rows,
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.writers.html import render
@@ -28,18 +42,36 @@ from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 
-def write_conditions_page(
-    case: Case, states: Sequence[ConditionState], masts: Masts, path: str | os.PathLike[str]
-) -> Path:
+@dataclass(frozen=True)
+class ConditionsPage:
+    """What the page is about.
+
+    Attributes
+    ----------
+    case : Case
+    states : sequence of ConditionState
+        The design first.
+    masts : Masts
+        Forces on supports and installation of these states.
+    lateral : LateralCheck or None
+        Lateral position under wind, where it is required.
+    checks : tuple of DesignCheck
+    """
+
+    case: Case
+    states: Sequence[ConditionState]
+    masts: Masts
+    lateral: LateralCheck | None = None
+    checks: tuple[DesignCheck, ...] = ()
+
+
+def write_conditions_page(page: ConditionsPage, path: str | os.PathLike[str]) -> Path:
     """Write the conditions of a line as a single HTML file, completely or not at all.
 
     Parameters
     ----------
-    case
-    states
-        The design first.
-    masts
-        Forces on supports and installation of these states.
+    page
+        What it is about.
     path
         File to write.
 
@@ -48,13 +80,14 @@ def write_conditions_page(
     Path
         The file.
     """
+    case, states = page.case, page.states
     possible = [one for one in states if not one.fault]
-    contents = [
-        _summary(case, states, possible),
-        _ends(possible),
-        _supports(masts),
-        _figures(possible),
-    ]
+    contents = [_summary(case, states, possible), _ends(possible), _supports(page.masts)]
+    if page.lateral is not None:
+        contents.append(_lateral(page.lateral))
+    if page.checks:
+        contents.append(_checks(page.checks))
+    contents.append(_figures(possible))
     return write_text(path, render(contents, _masthead(case, states)))
 
 
@@ -140,6 +173,18 @@ def _supports(masts: Masts) -> Section:
                 tuple(installation_rows(masts, slice(None))),
             )
         )
+        offsets = "Place of the cantilevers along the track from that in the design."
+        blocks.append(chart("offsets", design_figures.offset_figure(masts), offsets, offsets))
+    profile = "Tension of the wires along the line, one curve per wire and condition."
+    blocks += [
+        chart("tension", design_figures.tension_figure(masts), profile, profile),
+        Table(
+            "Mean tension of the wires in their outermost spans and in the span with least.",
+            TENSION_HEAD,
+            "llrrrr",
+            tuple(tension_rows(masts)),
+        ),
+    ]
     if any(one.clearances for one in masts.states):
         blocks.append(
             Table(
@@ -151,6 +196,40 @@ def _supports(masts: Masts) -> Section:
             )
         )
     return Section("supports", "Supports, installation, structures", tuple(blocks))
+
+
+def _lateral(check: LateralCheck) -> Section:
+    blocks: list[object] = []
+    if check.faults:
+        blocks.append(Callout(check.faults))
+    if check.worst:
+        caption = (
+            "Contact wire over the track under wind from either side, and what is permissible."
+        )
+        blocks += [
+            Text(f"Worst place: {worst_place(check)}.", "statement"),
+            chart("blown", design_figures.blown_figure(check), caption, caption),
+            Table(EXPLAINED, HEAD, ALIGN, tuple(lateral_rows(check.worst))),
+        ]
+    blocks += [Text(note, "note") for note in check.notes]
+    return Section("lateral", f"Lateral position: {check.wind}", tuple(blocks))
+
+
+def _checks(checks: Sequence[DesignCheck]) -> Section:
+    table = Table(
+        "This line: finite-element equilibrium of the design and all conditions; estimate: the "
+        "closed form.",
+        check_words.HEAD,
+        "lrrrl",
+        tuple(check_words.check_rows(checks)),
+    )
+    sources = Table(
+        "Where the limits come from, and whether somebody compared them with the text.",
+        ("limit", "source"),
+        "ll",
+        tuple(check_words.source_rows(checks)),
+    )
+    return Section("checks", "Checks of the design", (table, sources))
 
 
 def _figures(states: Sequence[ConditionState]) -> Section:

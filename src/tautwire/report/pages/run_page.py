@@ -9,19 +9,56 @@ from typing import Any
 
 from tautwire.assessment.checks import Criteria
 from tautwire.errors import InputError
-from tautwire.files import write_text
 from tautwire.report.parts import sections
 from tautwire.report.parts.conditions import conditions_section
 from tautwire.report.parts.losses import loss_section
 from tautwire.report.parts.summary import summary_section
 from tautwire.report.parts.views import RunView, labels_of, prepare
 from tautwire.report.parts.words import listing, speed
-from tautwire.report.writers.html import render
+from tautwire.report.writers.page import Page
 from tautwire.report.writers.project import common_project, project_block
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
 from tautwire.specs.project import Project
 from tautwire.text import DESIGN
+
+
+def compose_report(
+    runs: Run | Sequence[Run],
+    elasticity: Elasticity | Sequence[Elasticity | None] | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    title: str | None = None,
+    criteria: Criteria | None = None,
+    project: Project | None = None,
+) -> Page:
+    """Return the report of one run, or of several runs overlaid, to be written in several ways.
+
+    See :func:`write_report` for the parameters and what is raised.
+    """
+    every = [runs] if isinstance(runs, Run) else list(runs)
+    if not every:
+        raise InputError("a report needs at least one run")
+    given = _matched(elasticity, len(every))
+    views = [
+        prepare(run, label, data)
+        for run, label, data in zip(every, labels_of(every, labels), given, strict=True)
+    ]
+    judged_by = criteria or Criteria()
+    found = [judged_by.checks(view.statistics, view.run.case) for view in views]
+    contents = [
+        summary_section(views, found),
+        sections.line_section(views),
+        sections.force_section(views),
+        loss_section(views),
+        sections.spectrum_section(views),
+        sections.uplift_section(views),
+        sections.dropper_section(views),
+        sections.elasticity_section(views),
+        conditions_section(views),
+        sections.animation_section(views),
+    ]
+    return Page(contents, _masthead(views, title, project))
 
 
 def write_report(
@@ -34,9 +71,9 @@ def write_report(
     criteria: Criteria | None = None,
     project: Project | None = None,
 ) -> Path:
-    """Write the report of one run, or of several runs overlaid, as a single HTML file.
+    """Write the report of one run, or of several runs overlaid, as one file: HTML or PDF.
 
-    The page holds its scripts and data, asks no other machine for anything and forbids the
+    The HTML page holds its scripts and data, asks no other machine for anything and forbids the
     browser to do so. It is written completely or not at all.
 
     Parameters
@@ -44,7 +81,7 @@ def write_report(
     runs : Run or sequence of Run
         Also partial ones.
     path : str or path
-        File to write.
+        File to write; PDF where its name ends in .pdf, which needs the extra ``pdf``.
     elasticity : Elasticity or sequence of Elasticity or None, optional
         For the runs in their order; a single one belongs to the first.
     labels : sequence of str, optional
@@ -71,29 +108,10 @@ def write_report(
     --------
     >>> write_report(run, "run.html")  # doctest: +SKIP
     """
-    every = [runs] if isinstance(runs, Run) else list(runs)
-    if not every:
-        raise InputError("a report needs at least one run")
-    given = _matched(elasticity, len(every))
-    views = [
-        prepare(run, label, data)
-        for run, label, data in zip(every, labels_of(every, labels), given, strict=True)
-    ]
-    judged_by = criteria or Criteria()
-    found = [judged_by.checks(view.statistics, view.run.case) for view in views]
-    contents = [
-        summary_section(views, found),
-        sections.line_section(views),
-        sections.force_section(views),
-        loss_section(views),
-        sections.spectrum_section(views),
-        sections.uplift_section(views),
-        sections.dropper_section(views),
-        sections.elasticity_section(views),
-        conditions_section(views),
-        sections.animation_section(views),
-    ]
-    return write_text(path, render(contents, _masthead(views, title, project)))
+    page = compose_report(
+        runs, elasticity, labels=labels, title=title, criteria=criteria, project=project
+    )
+    return page.write(path)
 
 
 def _matched(

@@ -151,7 +151,7 @@ def finite_part(run: Run) -> Run:
         time=run.time[:end],
         pantographs=records,
         support_uplift=run.support_uplift[:end],
-        dropper_force=run.dropper_force[:end],
+        droppers=run.droppers.until(end),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -255,39 +255,42 @@ def _agree(by_reading: Mapping[Reading, Sources]) -> Claim:
     return Claim("presag-force", "IV.A", text, tuple(found), remark if numbers else "")
 
 
+def _every_comb(
+    by_reading: Mapping[Reading, Sources],
+) -> Iterator[tuple[Condition, Mapping[str, float], Comb]]:
+    """Yield every spectrum with its condition and the lengths of its line; the pre-sag once."""
+    for number, (k, sources) in enumerate(by_reading.items()):
+        for label, own in sources.combs.items():
+            if label != PRESAG:
+                yield under(k, label), sources.lengths, own
+            elif number == 0:
+                yield Condition(PRESAG), sources.lengths, own
+
+
 def _maximum(by_reading: Mapping[Reading, Sources], name: str) -> Claim:
     found: list[Evidence] = []
-    for number, (k, sources) in enumerate(by_reading.items()):
-        place = 1.0 / sources.lengths[name]
-        for label, own in sources.combs.items():
-            if label == PRESAG and number:
-                continue
-            where = Condition(PRESAG) if label == PRESAG else under(k, label)
-            peak = float(is_local_maximum(own, place))
-            found.append(least(where, "local maximum within one line (1: yes)", peak, 1.0, "1"))
-            test = own.test(place, width=0.0)
-            found += [
-                least(where, "power over the mean of the lines around", test.ratio, test.limit,
-                      "1"),
-                Evidence(where, "lines that are within one line of a local maximum",
-                         share_near_maximum(own), "%"),
-            ]  # fmt: skip
+    for where, lengths, own in _every_comb(by_reading):
+        place = 1.0 / lengths[name]
+        peak = float(is_local_maximum(own, place))
+        test = own.test(place, width=0.0)
+        found += [
+            least(where, "local maximum within one line (1: yes)", peak, 1.0, "1"),
+            least(where, "power over the mean of the lines around", test.ratio, test.limit, "1"),
+            Evidence(where, "lines that are within one line of a local maximum",
+                     share_near_maximum(own), "%"),
+        ]  # fmt: skip
     text = f"{name} stands out in the spectra of pre-sag and contact force."
     return Claim(f"source-{name.replace('/', '-')}", "IV.A", text, tuple(found))
 
 
 def _negligible(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for number, (k, sources) in enumerate(by_reading.items()):
-        for label, own in sources.combs.items():
-            if label == PRESAG and number:
-                continue
-            where = Condition(PRESAG) if label == PRESAG else under(k, label)
-            energy, width = outside_share(own, sources.lengths)
-            text = "energy outside the six regions, waves below 10 m"
-            found.append(Evidence(where, text, energy, "%", high=NEGLIGIBLE))
-            text = "share of the wave numbers outside them"
-            found.append(Evidence(where, text, width, "%"))
+    for where, lengths, own in _every_comb(by_reading):
+        energy, width = outside_share(own, lengths)
+        text = "energy outside the six regions, waves below 10 m"
+        found.append(Evidence(where, text, energy, "%", high=NEGLIGIBLE))
+        text = "share of the wave numbers outside them"
+        found.append(Evidence(where, text, width, "%"))
     return Claim(
         "energy-elsewhere",
         "IV.A",
@@ -300,18 +303,16 @@ def _negligible(by_reading: Mapping[Reading, Sources]) -> Claim:
 
 def _main_source(by_reading: Mapping[Reading, Sources]) -> Claim:
     found: list[Evidence] = []
-    for k, sources in by_reading.items():
-        for label, own in sources.combs.items():
-            if label == PRESAG:
-                continue
-            high = own.abscissa > HALVES
-            inside = in_regions(own, {name: sources.lengths[name] for name in FRACTIONS})[high]
-            energy = own.value[high] ** 2
-            share = 100.0 * float(energy[inside].sum() / energy.sum())
-            where = under(k, label)
-            text = "share of the four regions in the energy of waves below 3.7 m"
-            found.append(least(where, text, share, MAJORITY))
-            text = "the same if the energy were spread evenly"
-            found.append(Evidence(where, text, 100.0 * float(inside.mean()), "%"))
+    for where, lengths, own in _every_comb(by_reading):
+        if where == Condition(PRESAG):
+            continue
+        high = own.abscissa > HALVES
+        inside = in_regions(own, {name: lengths[name] for name in FRACTIONS})[high]
+        energy = own.value[high] ** 2
+        share = 100.0 * float(energy[inside].sum() / energy.sum())
+        text = "share of the four regions in the energy of waves below 3.7 m"
+        found.append(least(where, text, share, MAJORITY))
+        text = "the same if the energy were spread evenly"
+        found.append(Evidence(where, text, 100.0 * float(inside.mean()), "%"))
     text = "Half and quarter of DD and SD are the main source of the high-frequency components."
     return Claim("main-source", "IV.A, VI.3", text, tuple(found))

@@ -14,11 +14,13 @@ from pydantic import ValidationError
 
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
-from tautwire.results import layout, upgrade
+from tautwire.results import layout
+from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.layout import FORMAT, FORMAT_VERSION, Entry
 from tautwire.results.run import ContactEvents, PantographRecord, Run, Snapshots
+from tautwire.results.storage import upgrade
 from tautwire.results.storage.seal import Seal, seal_of
 from tautwire.results.storage.trial import tried
 from tautwire.specs.case import Case
@@ -245,8 +247,21 @@ def _run(file: h5netcdf.File) -> Run:
         provenance=_mapping(file, "provenance"),
         events=_events(file, len(case.pantographs)),
         irregularities=_irregularities(file, sizes),
+        droppers=_droppers(file, sizes, len(time)),
         **_entries(file, layout.RUN, sizes),
     )
+
+
+def _droppers(file: h5netcdf.File, sizes: dict[str, int], samples: int) -> DropperHistory:
+    """Read the dropper forces; a file that says no first samples holds those of all samples."""
+    entries = layout.DROPPERS
+    if "dropper_first" not in file.variables:
+        force = _array(file, entries[0], {**sizes, "dropper_sample": samples})
+        return DropperHistory.of_every_sample(force)
+    history = DropperHistory(**_entries(file, entries, sizes))
+    _require(len(history.force) <= samples, "more dropper forces than samples")
+    _require_numbers("first sample of a dropper", history.first, 0, max(samples - 1, 0))
+    return history
 
 
 def _static(file: h5netcdf.File) -> tuple[Case, Equilibrium]:

@@ -58,6 +58,7 @@ def run_image(run: Run, elasticity: Elasticity | None = None) -> bytes:
         file.attrs.update(attributes)
         _write_axes(file, run)
         _write_entries(file, layout.RUN, run)
+        _write_entries(file, layout.DROPPERS, run.droppers)
         _write_pantographs(file, run.pantographs)
         _write_entries(file.create_group("snapshots"), layout.SNAPSHOTS, run.snapshots)
         _write_static(file, run.equilibrium, elasticity)
@@ -171,7 +172,7 @@ def _write_axes(file: h5netcdf.File, run: Run) -> None:
     _write(file, layout.NAMES, names)
     axes = (
         ("support", "1", "number of the support, from 1", run.equilibrium.support_number),
-        ("dropper", "1", count, _numbers(run.dropper_force.shape[1])),
+        ("dropper", "1", count, _numbers(run.droppers.first.size)),
         ("stage", "1", "number of the stage, 1 is the head", _numbers(stages)),
     )
     for name, units, text, values in axes:

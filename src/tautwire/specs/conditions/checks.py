@@ -41,7 +41,7 @@ def check_conditions(
             text = f"got {one.after!r}; name a condition that is listed before this one"
             problems.append(Problem((*path, "after"), text))
         problems += _check_wire_names(one, wires, path)
-        problems += list(_missing_numbers(one, wires, droppers))
+        problems += list(missing_numbers(one, wires, droppers))
     return problems
 
 
@@ -79,7 +79,7 @@ def _parts(
         yield ("droppers",), droppers, one.droppers
 
 
-def _missing_numbers(
+def missing_numbers(
     one: Condition, wires: Wires, droppers: Droppers | tuple[Droppers, ...]
 ) -> Iterator[Problem]:
     """Yield what a wire does not say and the condition asks for; never assumed."""

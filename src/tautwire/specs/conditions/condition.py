@@ -23,14 +23,11 @@ Shelter = Annotated[float, Quantity("", ge=0.0, le=1.0, typical="0.8")]
 Drag = Annotated[float, Quantity("", ge=0.0, le=5.0, typical="1.0 to 1.2")]
 
 
-class Wind(Spec):
-    """Steady wind across the track, with the load ``rho v^2 / 2 * gust * drag * d * shelter``."""
+class CrossWind(Spec):
+    """Steady wind across the track, from whichever side."""
 
     speed: Annotated[float, Quantity("m/s", ge=0.0, le=100.0, typical="15 m/s to 33 m/s")] = Field(
         description="Speed at the height of the wires, across the track."
-    )
-    from_: Literal["left", "right"] = Field(
-        alias="from", description="Side that it comes from, looking along rising chainage."
     )
     density: Annotated[float, Quantity("kg/m^3", gt=0.0, le=3.0, typical="1.25 kg/m^3")] = Field(
         default=1.25,
@@ -51,7 +48,27 @@ class Wind(Spec):
     def __str__(self) -> str:
         factors = (("gust", self.gust), ("drag", self.drag), ("shelter", self.shelter))
         told = [f"{name} {value:g}" for name, value in factors if value != 1.0]
-        return ", ".join([f"wind {self.speed:g} m/s from the {self.from_}", *told])
+        return ", ".join([self._told_speed(), *told])
+
+    def _told_speed(self) -> str:
+        return f"wind {self.speed:g} m/s"
+
+    def from_side(self, side: Literal["left", "right"]) -> Wind:
+        """Return it as the wind from one side."""
+        own = {name: getattr(self, name) for name in CrossWind.model_fields}
+        return Wind.model_validate({**own, "from": side})
+
+
+class Wind(CrossWind):
+    """Steady wind across the track, with the load ``rho v^2 / 2 * gust * drag * d * shelter``."""
+
+    from_: Literal["left", "right"] = Field(
+        alias="from", description="Side that it comes from, looking along rising chainage."
+    )
+
+    @override
+    def _told_speed(self) -> str:
+        return f"{super()._told_speed()} from the {self.from_}"
 
     @property
     def pressure(self) -> float:

@@ -7,11 +7,13 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, form_of, refuse
+from tautwire.specs.line.catenary import Line
 
 Height = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.08 to 5.5 m")]
 Encumbrance = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="1.2 to 1.8 m")]
 Stagger = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0.2 to 0.3 m")]
 Coordinate = Annotated[float, Quantity("m", ge=-100.0, le=100.0)]
+Hinge = Annotated[float, Quantity("m", ge=-20.0, le=20.0, typical="-3.2 m, 3.2 m")]
 Values = tuple[float, ...]
 LIKE_CONTACT = "contact"
 
@@ -154,6 +156,19 @@ class Supports(Spec):
         "cantilevers) or hold the wire there after the static shape is found.",
     )
 
+    hinge: (
+        Annotated[
+            Annotated[Hinge, Tag(SCALAR)] | Annotated[tuple[Hinge, ...], Tag(LIST)],
+            Discriminator(form_of),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="Lateral position of the vertical axes at the masts about which cantilevers "
+        "turn along the track, one for all or one per support: in conditions they take their share "
+        "of the tension. Left out, cantilevers follow the wires without resistance.",
+    )
+
     @model_validator(mode="after")
     def _check_closure(self) -> Supports:
         problems = []
@@ -193,6 +208,10 @@ class Supports(Spec):
         """Return the encumbrance [m] at each of the supports; 0 when there is none."""
         return _per_support(0.0 if self.encumbrance is None else self.encumbrance, supports)
 
+    def hinges(self, supports: int) -> Values | None:
+        """Return the lateral position of the hinges [m] at each of the supports, if given."""
+        return None if self.hinge is None else _per_support(self.hinge, supports)
+
     def contact_staggers(self, supports: int) -> Values:
         """Return the stagger of the contact wire [m] at each of the supports."""
         return _alternating(self.contact_stagger, supports)
@@ -212,3 +231,25 @@ def _alternating(value: float | Values, supports: int) -> Values:
     if isinstance(value, tuple):
         return value
     return tuple(value if number % 2 == 0 else -value for number in range(supports))
+
+
+SHORTEST_CANTILEVER = 0.5
+"""Least distance of a wire from the axis about which its cantilever turns [m]: real ones have 2 to
+4 m, and a wire at the axis could not turn it."""
+
+
+def check_hinges(line: Line, supports: Supports) -> list[Problem]:
+    """Check that no wire stands at the axis about which its cantilever turns."""
+    count = line.spans + 1
+    hinges = supports.hinges(count)
+    if hinges is None or len(hinges) != count:
+        return []
+    for wires in (supports.contact_staggers(count), supports.messenger_staggers(count)):
+        for number, (hinge, y) in enumerate(zip(hinges, wires, strict=False), start=1):
+            if abs(hinge - y) < SHORTEST_CANTILEVER:
+                text = (
+                    f"got {hinge:g} m at support {number}, where a wire stands at {y:g} m; the "
+                    f"axis is at the mast, at least {SHORTEST_CANTILEVER:g} m away"
+                )
+                return [Problem(("supports", "hinge"), text)]
+    return []

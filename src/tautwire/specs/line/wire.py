@@ -49,6 +49,14 @@ class Wire(Spec):
         "temperature.",
     )
 
+    strength: Annotated[float, Quantity("N", gt=0.0, le=1e7, typical="30 kN to 70 kN")] | None = (
+        Field(
+            default=None,
+            description="Least breaking load of the new wire, against which its tension is "
+            "checked.",
+        )
+    )
+
     role: Role | None = Field(
         default=None,
         description="What the wire is: 'contact' (pantographs run on it), 'messenger', 'auxiliary' "

@@ -6,10 +6,14 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.shape import find_shape
+from tautwire.assessment.design.checks import DesignCheck, design_checks
+from tautwire.assessment.design.lateral import known_gauge
 from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
 from tautwire.cli.about import computation, program
 from tautwire.cli.session import REFUSED, Answer
+from tautwire.cli.views.design_view import checks_view
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import ConvergenceError, ModelError
@@ -17,7 +21,7 @@ from tautwire.inputs.load import load_case
 from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.model.preflight import Advice, preflight
-from tautwire.model.resolution import size
+from tautwire.model.resolution import Size, size
 from tautwire.report.parts.words import speed
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -32,7 +36,9 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     announce_workbook(answer, reference)
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
-    quantities, advice = wave_quantities(case), _advice(case)
+    known_gauge(case.requirements.gauge)
+    quantities, amount = wave_quantities(case), size(case)
+    advice, design = _examined(case)
     answer.document.update(
         {
             "case": case.name,
@@ -43,7 +49,8 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
             "advice": [item.as_dict() for item in advice],
             "wave_quantities": [quantity.as_dict() for quantity in quantities],
             "section": dict(zip(("first_span", "last_span"), case.resolved_section(), strict=True)),
-            "size": size(case).as_dict(),
+            "size": amount.as_dict(),
+            "design_checks": [one.as_dict() for one in design],
             "taken_over": _taken_over(case),
         }
     )
@@ -52,25 +59,37 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
         answer.document["valid"] = False
         answer.fail("model", refused, REFUSED)
         return
-    answer.show(heading(case.title or case.name, "input accepted"), _summary(case))
+    answer.show(heading(case.title or case.name, "input accepted"), _summary(case, amount))
     answer.show(heading("Wave quantities"), _wave_table(quantities))
+    answer.show(*checks_view(design))
     answer.show(heading("Advice"), *_advice_view(advice))
     for template, paths in _taken_over(case).items():
         answer.show(heading(f"From {template}, not checked for your line"), ", ".join(paths))
 
 
-def _advice(case: Case) -> list[Advice]:
-    """Return all advice, also on the static state, found on a coarse mesh."""
+def _examined(case: Case) -> tuple[list[Advice], tuple[DesignCheck, ...]]:
+    """Return all advice, and the checks of the design, on states found on a coarse mesh."""
     found = [*preflight(case), *implausible_inputs(case)]
     coarse = {"band": COARSE_BAND, "nodes_between_droppers": None, "longest_element": None}
     sketch = case.with_(settings=case.settings.with_(**coarse, graded_mesh=None))
     try:
-        shape = find_shape(build(sketch))
+        model = build(sketch)
+        shape = find_shape(model)
     except ModelError as error:
-        return [*found, Advice("static state", "refused", str(error), "see above")]
+        return [*found, Advice("static state", "refused", str(error), "see above")], ()
     except ConvergenceError as error:
-        return [*found, Advice("static state", "warning", str(error), "see 'tautwire static'")]
-    return [*found, *implausible_shape(case, shape)]
+        return [*found, Advice("static state", "warning", str(error), "see 'tautwire static'")], ()
+    states = [state_of(model, shape, None)]
+    if case.condition is None:
+        names = [one.name for one in case.conditions]
+        states += [examine(model, shape, name, with_elasticity=False) for name in names]
+    faults = [
+        Advice(f"condition {one.name!r}", "warning", one.fault, "see 'tautwire static'")
+        for one in states
+        if one.fault
+    ]
+    advice = [*found, *implausible_shape(case, shape), *faults]
+    return advice, design_checks(model, states)
 
 
 def _taken_over(case: Case) -> dict[str, list[str]]:
@@ -82,8 +101,8 @@ def _taken_over(case: Case) -> dict[str, list[str]]:
     return taken
 
 
-def _summary(case: Case) -> Any:
-    amount, (first, last) = size(case), case.resolved_section()
+def _summary(case: Case, amount: Size) -> Any:
+    first, last = case.resolved_section()
     target, scenario = case.scenario.target_mean_force(), case.scenario
     forces = ", ".join(f"{force:.1f} N" for force in case.uplift_forces())
     return facts(

@@ -58,6 +58,35 @@ def _offset(value: float) -> str:
     return "" if math.isnan(value) else f"{1e3 * value:+.0f}"
 
 
+TENSION_HEAD = ("wire", "condition", "left\n[N]", "right\n[N]", "least\n[N]", "in span")
+
+
+def tension_rows(masts: Masts) -> list[tuple[str, ...]]:
+    """Return one row per wire and state: mean tension of its end spans, and the least."""
+    rows = []
+    for state in masts.states:
+        for one in state.tensions:
+            at = min(range(len(one.tension)), key=lambda number: round(one.tension[number], 1))
+            values = (one.tension[0], one.tension[-1], one.tension[at])
+            told = (f"{value:.0f}" for value in values)
+            rows.append((one.wire, state.condition, *told, str(one.spans[at])))
+    return sorted(rows, key=lambda row: row[0])
+
+
+def tensions_csv(masts: Masts) -> str:
+    """Return the mean tension of every wire in every span and state as CSV."""
+    head = ("condition", "wire", "span", "x [m]", "tension [N]")
+    return csv_text(
+        head,
+        (
+            (state.condition, one.wire, span, f"{x:.2f}", f"{tension:.2f}")
+            for state in masts.states
+            for one in state.tensions
+            for span, x, tension in zip(one.spans, one.x, one.tension, strict=True)
+        ),
+    )
+
+
 def clearance_rows(masts: Masts) -> list[tuple[str, ...]]:
     """Return one row per structure: the state in which least is left."""
     rows = []

@@ -1,0 +1,1 @@
+"""Whether a line as designed keeps what is asked of it."""

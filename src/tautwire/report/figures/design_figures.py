@@ -1,0 +1,96 @@
+"""Figures for those who design a line: tension and cantilevers along it, wires in the wind."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tautwire.analyses.design.masts import Masts
+from tautwire.assessment.design.lateral import LateralCheck
+from tautwire.report.figures import style
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+
+def tension_figure(masts: Masts) -> go.Figure:
+    """Draw the tension of the wires along the line, one curve per wire and state."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(360, top=64))
+    for number, state in enumerate(masts.states):
+        look = style.look(number)
+        for row, one in enumerate(state.tensions):
+            figure.add_scatter(
+                x=list(one.x),
+                y=[1e-3 * value for value in one.tension],
+                name=f"{state.condition}, {one.wire}",
+                mode="lines+markers",
+                line={"color": look.colour, "width": 1.5, "dash": style.look(row).dash},
+                marker={"size": 5},
+                hovertemplate="%{y:.3f} kN",
+            )
+    figure.update_layout(
+        xaxis=style.axis("position along the track [m]"), yaxis=style.axis("tension [kN]")
+    )
+    return style.fit_legend(figure)
+
+
+def offset_figure(masts: Masts) -> go.Figure:
+    """Draw how far cantilevers stand from their place in the design, one curve per condition."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(340, top=64))
+    rows = [one for one in masts.installation if one.what == "cantilever"]
+    names = zip(masts.conditions, masts.temperatures, strict=True)
+    for number, (name, degrees) in enumerate(names):
+        look = style.look(number)
+        figure.add_scatter(
+            x=[one.x for one in rows],
+            y=[1e3 * one.offsets[number] for one in rows],
+            name=f"{name}, {degrees:g} °C",
+            mode="markers",
+            marker={"color": look.colour, "symbol": look.symbol},
+            hovertemplate="%{y:.0f} mm",
+        )
+    figure.update_layout(
+        xaxis=style.axis("position along the track [m]"),
+        yaxis=style.axis("offset along the track [mm]"),
+    )
+    return style.fit_legend(figure)
+
+
+def blown_figure(check: LateralCheck) -> go.Figure:
+    """Draw where the contact wires stand under wind from either side, to the left positive."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(360, top=64))
+    sweep, given = check.sweep, check.places[0].given if check.places else 0.0
+    for row, sign in enumerate((1.0, -1.0)):
+        curves = (
+            (f"wind towards the {('left', 'right')[row]}", sweep.position[row], style.look(row)),
+            (f"permissible, {('left', 'right')[row]}", check.permissible[row] - given, None),
+        )
+        for name, values, look in curves:
+            for wire in range(len(sweep.wire_names)):
+                own = sweep.wire == wire
+                line = (
+                    {"color": style.SOFT, "width": 1.0}
+                    if look is None
+                    else {"color": look.colour, "width": 1.5, "dash": look.dash}
+                )
+                figure.add_scatter(
+                    x=sweep.x[own].astype(np.float32),
+                    y=(1e3 * sign * values[own]).astype(np.float32),
+                    name=name,
+                    legendgroup=name,
+                    showlegend=wire == 0,
+                    mode="lines",
+                    line=line,
+                    hovertemplate="%{y:.0f} mm",
+                )
+    figure.update_layout(
+        xaxis=style.axis("position along the track [m]"), yaxis=style.axis("lateral position [mm]")
+    )
+    return style.fit_legend(figure)

@@ -1,0 +1,1 @@
+"""What those who design a line read of its states."""

@@ -1,0 +1,100 @@
+"""The values of a mapped sheet, column by column."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tautwire.errors import InputError
+from tautwire.tables.mapping import SheetMapping, Use
+from tautwire.tables.values import CellError, number_of, ratio_of, text_of
+
+MOST_PROBLEMS = 1000
+"""Cells of which a sheet complains before the rest is only counted."""
+
+
+class Rows:
+    """The values of a mapped sheet, column by column, and the problems met."""
+
+    def __init__(self, mapping: SheetMapping) -> None:
+        self.mapping, self.sheet = mapping, mapping.sheet
+        self.problems: list[str] = []
+        self.indices = [
+            row
+            for row in range(mapping.first_row, len(self.sheet.rows))
+            if any(self._cell(row, use.column) is not None for use in mapping.uses)
+        ]
+        if not self.sheet.letters:
+            self._refuse_overfull(len(self.sheet.rows[mapping.heading_row]))
+
+    def numbers(self, name: str) -> list[float | None] | None:
+        """Return a column in SI; None where the sheet has none, or one without any value."""
+        use = self.mapping.use(name)
+        values = [] if use is None else [self._number(row, use) for row in self.indices]
+        return values if any(value is not None for value in values) else None
+
+    def full(self, name: str) -> list[float] | None:
+        """Return a column that has a value in every row."""
+        values = self.numbers(name)
+        for index, value in enumerate(values or []):
+            if value is None:
+                self.complain(index, name, "is empty; fill the column or leave all of it empty")
+        return None if values is None else [0.0 if v is None else v for v in values]
+
+    def texts(self, name: str) -> list[str | None] | None:
+        """Return a column of names; None where the sheet has none."""
+        use = self.mapping.use(name)
+        return None if use is None else [self._text(row, use) for row in self.indices]
+
+    def place(self, index: int, name: str) -> str:
+        """Name a cell."""
+        use = self.mapping.use(name)
+        if use is None:
+            return self.sheet.place(self.indices[index], 0)
+        return self.mapping.place(self.indices[index], use)
+
+    def complain(self, index: int, name: str, text: str) -> None:
+        """Note a problem of a cell."""
+        self.problems.append(f"{self.place(index, name)}: {text}")
+
+    def listed_problems(self) -> list[str]:
+        """Return the problems, the rest counted where there are very many."""
+        rest = len(self.problems) - MOST_PROBLEMS
+        more = [f"{self.sheet.label}: {rest} more problems"] if rest > 0 else []
+        return self.problems[:MOST_PROBLEMS] + more
+
+    def raise_problems(self) -> None:
+        """Raise InputError when there is any problem."""
+        if self.problems:
+            raise InputError(self.listed_problems())
+
+    def _refuse_overfull(self, width: int) -> None:
+        for row in self.indices:
+            cells = self.sheet.rows[row]
+            if any(cell is not None for cell in cells[width:]):
+                self.problems.append(
+                    f"{self.sheet.label}, line {self.sheet.numbers[row]}: has {len(cells)} cells "
+                    f"for {width} columns; check separators and decimal commas"
+                )
+
+    def _cell(self, row: int, column: int) -> Any:
+        cells = self.sheet.rows[row]
+        return cells[column] if column < len(cells) else None
+
+    def _number(self, row: int, use: Use) -> float | None:
+        share = ratio_of(use.unit)
+        unit, wanted = ("", "") if share is not None else (use.unit, use.field.unit)
+        try:
+            value = number_of(
+                self._cell(row, use.column), unit, wanted, decimal_comma=self.sheet.decimal_comma
+            )
+        except CellError as error:
+            self.problems.append(f"{self.mapping.place(row, use)}: {error}")
+            return 0.0
+        return value if value is None or share is None else value * share
+
+    def _text(self, row: int, use: Use) -> str | None:
+        try:
+            return text_of(self._cell(row, use.column))
+        except CellError as error:
+            self.problems.append(f"{self.mapping.place(row, use)}: {error}")
+            return None
