@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any, cast
 
 from tautwire.errors import InputError
+from tautwire.inputs.reading.tables import open_sheets
 from tautwire.measured.survey import Quantity, Reading, Survey
 from tautwire.specs.case import Case
 from tautwire.specs.schema.vocabulary import folded
 from tautwire.tables.columns import COUNT, TEXT, Field
 from tautwire.tables.headings import Reading as Heading
 from tautwire.tables.headings import read_heading
-from tautwire.tables.sheets import Sheet, read_sheets
+from tautwire.tables.sheets import Sheet
 from tautwire.tables.values import CellError, number_of, text_of
 
 ACCURACY = 0.003
@@ -44,6 +45,8 @@ _FIELDS = tuple(
     for name, (unit, headings) in _HEADINGS.items()
 )
 _QUANTITIES = ("contact height", "messenger height", "dropper length", "stagger")
+MOST_ROWS = 500_000
+"""Rows of a survey that are read: rows every 0.25 m of more than 100 km."""
 _HEADING_ROWS = 10
 """Rows in which the headings of a sheet are sought, below titles."""
 
@@ -76,7 +79,7 @@ def load_survey(path: str | os.PathLike[str], case: Case, *, accuracy: float = A
     problems: list[str] = []
     readings: list[Reading] = []
     notes = []
-    for sheet in read_sheets(Path(path)):
+    for sheet in open_sheets(Path(path), MOST_ROWS):
         table = _table(sheet)
         if table is None:
             notes.append(f"{sheet.label}: no columns of a survey; left out")
