@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tests.verification.test_rank import design, wrong
+from ..verification.test_rank import design, wrong
 
 from .conftest import Invoke
 
@@ -17,7 +17,7 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
         (tmp_path / f"{name}.json").write_text(json.dumps(one.to_dict()), encoding="utf-8")
     shown = invoke("rank", tmp_path / "line.json", tmp_path / "built.json", "--out", "out")
     assert shown.code == 0, shown.err
-    assert "dropper 5 of span 2" in shown.out
+    assert "3 passages" in shown.out
     assert "+20.0" in shown.out
     page = (tmp_path / "out" / "corrections.html").read_text(encoding="utf-8")
     assert "dropper 5 of span 2" in page

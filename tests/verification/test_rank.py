@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.lines import AC_SIMPLE
+from ..lines import AC_SIMPLE
 
 from tautwire.analyses.survey.as_built import with_values
 from tautwire.analyses.survey.rank import rank
