@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.survey.as_built import as_built
+    from tautwire.analyses.survey.rank import rank
     from tautwire.analyses.vibration.modes import modes
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
@@ -85,6 +86,7 @@ __all__ = [
     "load_survey",
     "modes",
     "operate",
+    "rank",
     "run",
     "run_study",
     "save_equilibrium",
@@ -126,6 +128,7 @@ _HOMES = {
     "load_survey": "tautwire.inputs.survey",
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
+    "rank": "tautwire.analyses.survey.rank",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -19,7 +19,6 @@ from tautwire.errors import InputError
 from tautwire.measured.survey import Reading, Survey
 from tautwire.model.build import build
 from tautwire.specs.case import Case
-from tautwire.specs.line.dropper import Droppers
 
 Array = NDArray[np.float64]
 
@@ -205,7 +204,7 @@ def as_built(
     plain = estimate(line, observed, prior)
     allocations, prior, found = find_allocation_errors(line, observed, prior, plain)
     droppers, values = _droppers(line, found)
-    built = _case(designed, line, values)
+    built = with_values(designed, line, values)
     find_design(build(built))
     return AsBuilt(
         case=built,
@@ -329,8 +328,18 @@ def _supports(case: Case, line: SurveyedLine, found: Estimate) -> tuple[BuiltSup
     return tuple(rows)
 
 
-def _case(designed: Case, line: SurveyedLine, values: Array) -> Case:
-    """Return the case with lengths and heights as built."""
+def with_values(case: Case, line: SurveyedLine, values: Array) -> Case:
+    """Return a case of the same line with given lengths and heights at supports.
+
+    Parameters
+    ----------
+    case
+        Everything else.
+    line
+        The design.
+    values : (n_unknown,) m
+    """
+    designed = line.model.case
     count = designed.line.spans + 1
     heights = list(designed.supports.contact_heights(count))
     apart = list(designed.supports.encumbrances(count))
@@ -343,9 +352,7 @@ def _case(designed: Case, line: SurveyedLine, values: Array) -> Case:
     for row, hanger in enumerate(line.model.line.hangers):
         lengths[hanger.label.span - 1].append(round(float(values[row]), _DIGITS))
     given = {"mode": "length", "lengths": lengths, "length_kind": "unstrained"}
-    droppers = designed.dropper_sets[0]
-    assert isinstance(droppers, Droppers)
-    return designed.with_(
+    return case.with_(
         **{
             "supports.contact_height": heights,
             "supports.encumbrance": apart,

@@ -16,6 +16,7 @@ def register(app: typer.Typer) -> None:
     app.command()(measured)
     app.command()(compare)
     app.command("as-built")(as_built)
+    app.command()(rank)
 
 
 MappingOption = Annotated[
@@ -211,3 +212,35 @@ def as_built(
 
         request = SurveyRequest(case, survey, set_ or [], accuracy, scatter, support_scatter)
         show_as_built(answer, request, out)
+
+
+def rank(
+    case: CaseArgument,
+    built: Annotated[
+        str,
+        typer.Argument(metavar="BUILT", help="The line as built, as 'as-built' writes it."),
+    ],
+    set_: SetOption = None,
+    least: Annotated[
+        str | None,
+        typer.Option(
+            "--least", metavar="LENGTH", help="Least deviation that is looked at, 3 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR",
+            help="Folder for corrections.html (for the crew), JSON, CSV, and the passages, from "
+            "which a ranking that was stopped goes on.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Rank corrections of a line as built by what they do to the contact force."""
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.rank import RankRequest, show_ranking
+
+        show_ranking(answer, RankRequest(case, built, set_ or [], least), out)
