@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 
 from ..verification.test_rank import design, wrong
-
 from .conftest import Invoke
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ..lines import AC_SIMPLE
 
 from tautwire.analyses.survey.as_built import with_values
 from tautwire.analyses.survey.rank import rank
@@ -14,6 +13,8 @@ from tautwire.analyses.survey.surveyed_line import SurveyedLine
 from tautwire.errors import InputError
 from tautwire.model.build import build
 from tautwire.specs.case import Case
+
+from ..lines import AC_SIMPLE
 
 
 def design(spans: int = 5) -> Case:
