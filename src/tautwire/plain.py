@@ -16,12 +16,12 @@ def plain(value: Any, factor: float = 1.0) -> Any:
     Parameters
     ----------
     value
-        Mappings, sequences, texts, Python and NumPy numbers and arrays, :class:`Plain` objects,
-        nested as needed.
+        Mappings, sequences, texts, Python and NumPy numbers and arrays, objects that tell their
+        content by ``as_dict``, nested as needed.
     factor
         What numbers are multiplied by, for a key that names another unit than SI.
     """
-    if isinstance(value, Plain):
+    if hasattr(value, "as_dict"):
         return value.as_dict()
     if isinstance(value, Mapping):
         return {str(key): plain(item, factor) for key, item in value.items()}

@@ -14,7 +14,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "spans" / "norway-20a.yaml"
 
 
 def test_table_and_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The example gives six radii and four winds, on screen, as JSON and as CSV."""
+    """The example gives six radii and four winds, on screen, as JSON, CSV and page."""
     out = tmp_path / "spans.csv"
     assert run_command_line(["spans", str(EXAMPLE), "--json", "--out", str(out)]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -23,6 +23,11 @@ def test_table_and_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
         rows = list(csv.DictReader(file))
     assert len(rows) == 24
     assert float(rows[2]["longest_span_m"]) == pytest.approx(35.6, abs=0.1)
+    page = tmp_path / "spans.html"
+    assert run_command_line(["spans", str(EXAMPLE), "--out", str(page)]) == 0
+    capsys.readouterr()
+    for text in ("35.6", "Longest spans", "not checked against the standard"):
+        assert text in page.read_text(encoding="utf-8")
     assert run_command_line(["spans", str(EXAMPLE)]) == 0
     assert "not checked against the standard" in " ".join(capsys.readouterr().out.split())
 

@@ -147,7 +147,7 @@ def test_rigid_rail_is_named_first() -> None:
         ("supports__wire_height", "contact_height"),
         ("supports__registration_arm", "arm"),
         ("line__section_insulators", "neutral section or section insulator"),
-        ("supports__uplift_stop", "uplift stop of the steady arm"),
+        ("supports__uplift_stop", "stop"),
     ],
 )
 def test_words_of_the_trade(path: str, answer: str) -> None:

@@ -329,3 +329,15 @@ def test_chainage_that_jumps(tmp_path: Path) -> None:
     case = load_with(tmp_path, supports=table)
     assert case.line.span_lengths() == (60.0, 60.0, 60.0)
     assert case.line.chainage == (1000.0, 1060.0, 1220.0, 1280.0)
+
+
+def test_types_of_supports_in_a_table(tmp_path: Path) -> None:
+    """A column tells which type stands at which mast; empty cells are supports as all are."""
+    table = "mast;x [m];support type\nA;0;\nB;60;push-off\nC;115;\nD;175;\n"
+    text = "supports: {types: [{name: push-off, stop: {gap: 90 mm}}]}\n"
+    supports = load_with(tmp_path, text, supports=table).supports
+    assert supports.type == (None, "push-off", None, None)
+    assert [s.stop.gap if s.stop else None for s in map(supports.at, range(4))] == [
+        None, 0.09, None, None
+    ]  # fmt: skip
+    assert len(supports.kinds()) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from tautwire.catalogue.entries import copy_case
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
+from tautwire.line.expand import expand
 from tautwire.studies.plan import Plan, key_of, pending, plan_study
 from tautwire.studies.study_file import load_study, make_study
 
@@ -36,6 +38,41 @@ def test_grid_is_every_combination() -> None:
     assert made.coordinates(made.points[4]) == {"speed": 80.0, "seed": 8}
     case = made.case(made.points[4])
     assert (case.scenario.speed, case.settings.seed) == (80.0, 8)
+
+
+DEFECTS = (
+    ({"kind": "missing dropper", "span": 8}, "dropper", [1, 9]),
+    ({"kind": "slack dropper", "dropper": 2}, "span", [2, 9]),
+    ({"kind": "dropper length", "span": 8, "dropper": 3}, "change", ["-10 mm", "10 mm"]),
+    ({"kind": "swapped droppers", "span": 8, "dropper": 1}, "with", [2, 5]),
+    ({"kind": "broken steady arm"}, "support", [5, 9]),
+    ({"kind": "displaced support", "support": 7}, "lateral", ["-30 mm", "30 mm"]),
+    ({"kind": "displaced support", "support": 7}, "vertical", ["-30 mm", "30 mm"]),
+    ({"kind": "extra mass", "span": 8, "wire": "contact", "at": "10 m"}, "mass", [0.5, 3.0]),
+    ({"kind": "extra mass", "span": 8, "wire": "contact", "mass": "3 kg"}, "at", ["5 m", "20 m"]),
+    ({"kind": "seized tensioning device", "wire": "contact"}, "end", ["left", "right"]),
+)
+"""Defects without one of their values, its key, and values for it."""
+
+
+@pytest.mark.parametrize(("defect", "key", "values"), DEFECTS, ids=lambda v: str(v)[:30])
+def test_every_defect_is_an_axis(
+    defect: dict[str, Any], key: str, values: list[Any], tmp_path: Path
+) -> None:
+    """Every value of a defect can be varied: one case per value, each of which can be built."""
+    condition = {"name": "worn out", "defects": [defect | {key: values[0]}]}
+    case = tmp_path / "line.yaml"
+    text: dict[str, Any] = {"include": "ac-simple", "name": "line", "conditions": [condition]}
+    text["line"] = {"ends": "weighted"}
+    case.write_text(json.dumps(text), encoding="utf-8")
+    axes = {f"conditions[1].defects[1].{key}": values}
+    study = {"schema": 1, "name": "test", "base": str(case), "axes": axes}
+    made = plan_study(make_study(study))
+    cases = [made.case(point) for point in made.points]
+    assert len(cases) == 2
+    told = [str(one.conditions[0].defects[0]) for one in cases]
+    assert told[0] != told[1]
+    assert all(len(expand(one).runs) == 2 for one in cases)
 
 
 def test_zip_moves_axes_together() -> None:

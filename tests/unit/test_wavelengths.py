@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -87,10 +88,13 @@ def test_missed_deviation() -> None:
     assert sharp.cutoff == pytest.approx(80.0)
     assert 0.0 < sharp.standard <= sharp.advised <= sharp.widest
     assert sharp.missed == pytest.approx(1.0 - sharp.advised / sharp.widest)
-    assert sharp.missed_by_standard >= sharp.missed
+    assert sharp.missed_by_20_hz >= sharp.missed
     smooth = missed_deviation(run, "front", Butterworth())
     assert "Butterworth" in smooth.filter
-    assert smooth.as_dict()["advised_cutoff_hz"] == pytest.approx(80.0)
+    told = replace(smooth, widest=math.nan).as_dict()
+    assert told["advised_cutoff_hz"] == pytest.approx(80.0)
+    assert (told["std_0_20_n"], told["std_0_200_n"]) == (smooth.standard, None)
+    assert (told["missed"], told["missed_by_20_hz"]) == (None, None)
 
 
 def test_even_points_lie_on_the_wire(shape: Equilibrium) -> None:

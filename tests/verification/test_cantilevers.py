@@ -107,3 +107,16 @@ def test_hinge_at_the_wire_is_refused() -> None:
     """A hinge where the wire is has no lever."""
     with pytest.raises(InputError, match=r"supports\.hinge"):
         half_length(0.1)
+
+
+def test_fixed_point_holds_in_a_curve() -> None:
+    """Weighted at both ends, a wire travels from its fixed point in a curve as on the straight."""
+    lengths = [{"name": "T1", "masts": [1, 5], "ends": "weighted", "fixed_point": 2}]
+    track = [{"arc": 4 * SPAN, "radius": RADIUS, "side": "left"}]
+    data = bare(at(55.0), spans=4, span=SPAN).to_dict()
+    case = make_case(data | {"tension_lengths": lengths, "track": track})
+    design, found = states(case)
+    moved = found["55 degC"].contact.position[:, 0] - design.contact.position[:, 0]
+    s = design.contact.s - SPAN
+    assert np.abs(moved[np.abs(s) < 1e-6]).max() < 1e-5
+    assert moved[[0, -1]] == pytest.approx(ALPHA * WARMING * s[[0, -1]], rel=2e-3)

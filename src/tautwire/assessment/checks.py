@@ -126,15 +126,15 @@ def checks(
     *,
     system: str = "ac",
     free_uplift: float | None = None,
-    uplift_stop: bool = False,
+    uplift_stop: bool | None = None,
     limits: Limits | None = None,
 ) -> tuple[Check, ...]:
     """Check the statistics of a run against the limits that apply to its speed and system.
 
     Forces are those of the headline filter. A mean force that was tuned to a value which keeps its
     limit keeps it as well when it misses by no more than the tolerance of the tuning; the check
-    says so. The free space for uplift is a property of the
-    support that a case does not hold; without it the uplift is not checked.
+    says so. Uplift stops of the case leave the smallest of their gaps as free space; without
+    stops it is asked for, and without it the uplift is not checked.
 
     Parameters
     ----------
@@ -143,9 +143,9 @@ def checks(
     system : {"ac", "dc-1.5kv", "dc-3kv"}
         Supply system, which decides between curves; a case does not say it.
     free_uplift : float m, optional
-        Free space for uplift at the supports.
-    uplift_stop : bool
-        Whether the steady arms have an uplift stop.
+        Free space for uplift at the supports; by default the gap of the stops of the case.
+    uplift_stop : bool, optional
+        Whether the steady arms have an uplift stop; by default as the case says.
     limits : Limits, optional
         By default those of the package.
 
@@ -160,12 +160,15 @@ def checks(
     """
     supply = known_system(system)
     speed = case.scenario.speed
+    gaps = [kind.stop.gap for kind in case.supports.kinds() if kind.stop is not None]
+    has_stop = bool(gaps) if uplift_stop is None else uplift_stop
+    space = min(gaps, default=None) if free_uplift is None else free_uplift
     rows: list[Check] = []
     for limit in (limits or load_limits()).limits:
-        if not limit.applies.includes(supply, speed, uplift_stop=uplift_stop):
+        if not limit.applies.includes(supply, speed, uplift_stop=has_stop):
             continue
         for pantograph, value, mean in _values(limit.quantity, statistics, case):
-            bound = limit.value(speed, mean, free_uplift)
+            bound = limit.value(speed, mean, space)
             if bound is not None:
                 found = _with_tuning(_check(limit, pantograph, value, bound), limit, case)
                 found = replace(found, is_carried=_is_carried(limit, pantograph, statistics))

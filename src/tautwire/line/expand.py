@@ -250,15 +250,17 @@ class _Expansion:
             ends = arm_ends(spec, masts, track, self.masts, y, self.contact_z)
             for mast in self.plan.inner:
                 is_raised = mast in self.plan.raised and self.case.wires.messenger is not None
+                own = spec.at(mast)
                 yield Registration(
                     label=MastLabel.of_index(mast),
                     at=At(self.plan.run(name), self.masts[mast]),
                     y=y[mast],
                     z=self.contact_z[mast],
-                    kind=_closure(spec, self._lift(name, wire, mast), is_raised=is_raised),
-                    clamp=spec.clamp,
+                    kind=_closure(own, self._lift(name, wire, mast), is_raised=is_raised),
+                    clamp=own.clamp,
                     end=ends.get(mast),
                     is_fixed_along=mast == self.plan.fixed_point,
+                    stop=own.stop,
                 )
 
     def _lift(self, name: str, wire: Wire, mast: int) -> float:
@@ -267,7 +269,7 @@ class _Expansion:
         The whole share is the contact wire from the dropper before to the dropper behind the mast,
         or from the masts beside it where nothing hangs.
         """
-        spec, s = self.case.supports, self.masts[mast]
+        spec, s = self.case.supports.at(mast), self.masts[mast]
         if spec.share is None:
             return spec.lift
         held = self._hung_places[self.plan.run(name)]
@@ -288,15 +290,15 @@ class _Expansion:
         spec = self.case.supports
         for name, wire in self.case.wires.of_role("messenger"):
             for mast in self.plan.inner:
-                is_fixed = mast == self.plan.fixed_point
+                is_fixed, own = mast == self.plan.fixed_point, spec.at(mast)
                 yield Suspension(
                     label=MastLabel.of_index(mast),
                     at=At(self.plan.run(name), self.masts[mast]),
                     y=self.messenger_y[mast] + wire.side,
                     z=self.messenger_z[mast],
-                    stiffness=spec.messenger_stiffness,
-                    damping=spec.messenger_damping,
-                    is_fixed_along=is_fixed or spec.messenger_longitudinal == "fixed",
+                    stiffness=own.messenger_stiffness,
+                    damping=own.messenger_damping,
+                    is_fixed_along=is_fixed or own.messenger_longitudinal == "fixed",
                 )
 
 

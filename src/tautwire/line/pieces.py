@@ -16,6 +16,7 @@ from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.numerics.track import Track
 from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
+from tautwire.specs.line.support import UpliftStop
 from tautwire.specs.line.wire import Wire
 
 Role = Literal["contact", "messenger", "auxiliary", "stitch"]
@@ -169,6 +170,8 @@ class Registration:
         Far end (y, z) of a given arm [m].
     is_fixed_along : bool
         Whether the wire is held along the track once the shape is found.
+    stop : UpliftStop or None
+        What it meets when it rises.
     """
 
     label: MastLabel
@@ -179,6 +182,7 @@ class Registration:
     clamp: float
     end: tuple[float, float] | None = None
     is_fixed_along: bool = False
+    stop: UpliftStop | None = None
 
 
 @dataclass(frozen=True)

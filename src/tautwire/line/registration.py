@@ -7,7 +7,7 @@ import numpy as np
 from tautwire.errors import ModelError
 from tautwire.line.labels import MastLabel, place
 from tautwire.numerics.track import Track
-from tautwire.specs.line.support import Supports
+from tautwire.specs.line.support import Arm, Supports
 
 STRAIGHT = 1e-6
 """Change of direction [rad] below which a wire runs straight past a support."""
@@ -44,10 +44,14 @@ def arm_ends(
             for mast, (end_y, end_z) in enumerate(given)
             if mast in inner and end_y is not None and end_z is not None
         }
-    angle = float(spec.arm.angle or 0.0)
-    reach, rise = spec.arm.length * np.cos(angle), spec.arm.length * np.sin(angle)
     sides = _pulling_sides(masts, track, s, (y, z))
-    return {m: (float(y[m] + sides[m] * reach), float(z[m] + rise)) for m in inner}
+    return {m: _far_end(spec.at(m).arm, sides[m], y[m], z[m]) for m in inner}
+
+
+def _far_end(arm: Arm, side: float, y: float, z: float) -> tuple[float, float]:
+    angle = float(arm.angle or 0.0)
+    reach, rise = arm.length * np.cos(angle), arm.length * np.sin(angle)
+    return float(y + side * reach), float(z + rise)
 
 
 def _pulling_sides(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tautwire.errors import ModelError
 from tautwire.model.build import Model
 from tautwire.model.operation.devices import tensioning_devices
-from tautwire.model.registrations import registrations_at_rest, suspension_grounds
+from tautwire.model.registrations import registrations_at_rest, suspension_grounds, uplift_stops
 from tautwire.numerics.network.parts import Clamps, Grounds, Stays
 from tautwire.numerics.network.system import System, internal_force, weight_load
 from tautwire.results.equilibrium import Equilibrium
@@ -96,6 +96,7 @@ def at_rest(
         load[group.nodes, :3] += rest.load
         held[group.nodes, 1] = rest.is_held_sideways
         mass[group.nodes] += rest.added_mass
+    stays = stays.joined(uplift_stops(line, mesh, shape, broken))
     system = built.with_(
         position=shape.position,
         cables=built.cables.with_(length=shape.cable_lengths),

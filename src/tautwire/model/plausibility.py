@@ -310,8 +310,10 @@ def arm_shares(case: Case, shape: Equilibrium) -> Array:
     contact wire from the dropper before to the dropper behind it; NaN without droppers on both
     sides.
     """
-    arm, gravity = case.supports.arm, case.line.gravity
-    lift = shape.arm_forces * np.sin(shape.arm_angles) - 0.5 * arm.mass * arm.length * gravity
+    masts = shape.support_number[shape.arm_supports - 1] - 1
+    arms = [case.supports.at(mast).arm for mast in masts.tolist()]
+    hanging = np.array([0.5 * arm.mass * arm.length for arm in arms]) * case.line.gravity
+    lift = shape.arm_forces * np.sin(shape.arm_angles) - hanging
     runs = expand(case).by_name
     found = np.full(len(lift), np.nan)
     for number, row in enumerate(shape.arm_supports - 1):
@@ -320,7 +322,7 @@ def arm_shares(case: Case, shape: Equilibrium) -> Array:
         before, behind = own[own < shape.support_x[row]], own[own > shape.support_x[row]]
         if len(before) and len(behind):
             mass = runs[shape.wire_names[wire]].wire.mass
-            weight = mass * gravity * (behind.min() - before.max())
+            weight = mass * case.line.gravity * (behind.min() - before.max())
             found[number] = lift[number] / weight
     return found
 

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 from tautwire.line.closures import AtRest, Closure, Held, along_axes
 from tautwire.line.pieces import Line
 from tautwire.model.mesh import Mesh
-from tautwire.numerics.network.parts import Grounds, Stays
+from tautwire.numerics.network.parts import COMPRESSION_ONLY, Grounds, Stays
 from tautwire.numerics.track import Frames
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+STOP_LENGTH = 10.0
+"""Length of the bar that stands for an uplift stop [m]: a wire 0.1 m aside of it meets it 0.5 mm
+later, and is pushed sideways by 1 % of the force."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +151,26 @@ def _held_in(line: Line, shape: Equilibrium) -> Held:
     force[arms], angle[arms], end[arms] = shape.arm_forces, shape.arm_angles, shape.arm_ends
     end[:, 0] -= shape.support_x
     return Held(force[rows], angle[rows], end[rows], shape.contact_preloads[rows])
+
+
+def uplift_stops(line: Line, mesh: Mesh, shape: Equilibrium, broken: Collection[int] = ()) -> Stays:
+    """Return what the wires meet when they rise from their design; broken arms have none.
+
+    A stop is a bar that only pushes, from a point high above the wire: the longer it is, the less
+    it pushes sideways.
+    """
+    rows = [r for r, piece in enumerate(line.registrations) if piece.stop and r not in broken]
+    stops = [stop for row in rows if (stop := line.registrations[row].stop) is not None]
+    nodes = mesh.nodes(line.registrations[row].at for row in rows)
+    rest = shape.position.reshape(-1, 6)[nodes, :3]
+    return Stays(
+        node=nodes,
+        end=rest + STOP_LENGTH * mesh.frames[nodes].axes[:, 2],
+        length=np.array([STOP_LENGTH - stop.gap for stop in stops]),
+        stiffness=np.array([stop.stiffness for stop in stops]),
+        mass=np.zeros(len(stops)),
+        law=np.full(len(stops), COMPRESSION_ONLY),
+    )
 
 
 def suspension_grounds(line: Line, mesh: Mesh, free_height: Array) -> Grounds:

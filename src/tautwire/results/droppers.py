@@ -54,9 +54,12 @@ class DropperHistory:
 
     def until(self, samples: int) -> DropperHistory:
         """Return the history of the first samples alone."""
-        longest = int(max(samples - self.first.min(initial=samples), 0))
-        force = self.force[:longest].copy()
-        force[np.arange(len(force))[:, None] + self.first >= samples] = np.nan
+        rows = samples - self.first
+        if np.all(rows >= len(self.force)):
+            return self
+        force = self.force[: max(int(rows.max(initial=0)), 0)].copy()
+        for dropper, end in enumerate(rows):
+            force[max(int(end), 0) :, dropper] = np.nan
         return replace(self, force=force)
 
     def at(self, samples: Array) -> NDArray[np.float32]:

@@ -60,7 +60,7 @@ class Section(Plain):
 
 
 @dataclass(frozen=True, eq=False)
-class Histogram:
+class Histogram(Plain):
     """Share of the samples per force class.
 
     Attributes
@@ -70,7 +70,7 @@ class Histogram:
         Fraction of the samples; adds up to 1 (empty when there are no samples).
     """
 
-    edges: Array
+    edges: Array = field(metadata=named("edges_n"))
     share: Array
 
 
@@ -166,10 +166,7 @@ class FilteredStatistics:
             "statistical_max_n": plain(self.statistical_maximum),
             "statistical_min_n": plain(self.statistical_minimum),
             "percentiles_n": {f"{k:g}": plain(v) for k, v in self.percentiles.items()},
-            "histogram": {
-                "edges_n": self.histogram.edges.tolist(),
-                "share": self.histogram.share.tolist(),
-            },
+            "histogram": self.histogram.as_dict(),
             "spans": [span.as_dict() for span in self.per_span],
         }
 
@@ -414,7 +411,7 @@ class DropperStatistics:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunStatistics(Told):
+class RunStatistics(Told, Plain):
     """Result of :func:`tautwire.contact_statistics`.
 
     Attributes
@@ -436,6 +433,8 @@ class RunStatistics(Told):
     uplift: UpliftStatistics
     droppers: DropperStatistics
     notes: tuple[str, ...]
+
+    untold: ClassVar[tuple[str, ...]] = ("case_name", "speed")
 
     def pantograph(self, name: str | None = None) -> PantographStatistics:
         """Return the statistics of the named pantograph, of the leading one without a name.
@@ -466,16 +465,6 @@ class RunStatistics(Told):
             )
         told["largest uplift"] = f"{1e3 * self.uplift.maximum:.1f} mm"
         return told | ({"notes": " ".join(self.notes)} if self.notes else {})
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the statistics as plain data for JSON (keys name their unit)."""
-        return {
-            "section": self.section.as_dict(),
-            "pantographs": [entry.as_dict() for entry in self.pantographs],
-            "uplift": self.uplift.as_dict(),
-            "droppers": self.droppers.as_dict(),
-            "notes": list(self.notes),
-        }
 
     def __str__(self) -> str:
         """Return a short table with one column per pantograph and filter."""

@@ -40,6 +40,7 @@ def check_support_lists(line: Line, supports: Supports) -> list[Problem]:
         "hinge",
         "arm_end_y",
         "arm_end_z",
+        "type",
     )
     problems = [
         Problem(

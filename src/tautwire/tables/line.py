@@ -81,6 +81,8 @@ def _supports(rows: Rows, result: LineTables) -> None:
             supports[name] = [factor * value for value in values]
             for index in range(count):
                 result.origins["supports", name, index] = rows.place(index, name)
+    if (types := rows.texts("type")) is not None and any(types):
+        supports["type"] = types
     for name in ("arm_end_y", "arm_end_z"):
         if (given := rows.numbers(name)) is not None and any(v is not None for v in given):
             supports[name] = given

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import uniform_force
 from tautwire.analyses.vibration.wavelengths import line_lengths
+from tautwire.plain import Plain, named
 from tautwire.results.run import Run
 from tautwire.signals.bands import WIDEST, band_name, band_standard_deviations
 from tautwire.signals.filters import STANDARD_CUTOFF, Lowpass, SharpLowpass
@@ -43,7 +44,7 @@ class Cutoff:
 
 
 @dataclass(frozen=True)
-class MissedDeviation:
+class MissedDeviation(Plain):
     """Standard deviation of the contact force by cut-off.
 
     Attributes
@@ -58,10 +59,12 @@ class MissedDeviation:
     """
 
     filter: str
-    cutoff: float
-    standard: float
-    advised: float
-    widest: float
+    cutoff: float = field(metadata=named("advised_cutoff_hz"))
+    standard: float = field(metadata=named("std_0_20_n"))
+    advised: float = field(metadata=named("std_advised_n"))
+    widest: float = field(metadata=named("std_0_200_n"))
+
+    derived: ClassVar[tuple[str, ...]] = ("missed", "missed_by_20_hz")
 
     @property
     def missed(self) -> float:
@@ -69,21 +72,9 @@ class MissedDeviation:
         return 1.0 - self.advised / self.widest
 
     @property
-    def missed_by_standard(self) -> float:
+    def missed_by_20_hz(self) -> float:
         """Share of sigma(0-200) that 20 Hz miss."""
         return 1.0 - self.standard / self.widest
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the numbers as plain data for JSON."""
-        return {
-            "filter": self.filter,
-            "advised_cutoff_hz": self.cutoff,
-            "std_0_20_n": self.standard,
-            "std_advised_n": self.advised,
-            "std_0_200_n": self.widest,
-            "missed": self.missed,
-            "missed_by_20_hz": self.missed_by_standard,
-        }
 
 
 def advise_cutoff(case: Case) -> Cutoff:

@@ -24,7 +24,7 @@ from tautwire.model.operation.devices import (
     next_state,
 )
 from tautwire.model.operation.weather import in_weather, reweighed
-from tautwire.numerics.network.parts import Grounds
+from tautwire.numerics.network.parts import BOTH_WAYS, Grounds
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
 from tautwire.numerics.statics.given_lengths import Settled, Swing, settle
 from tautwire.results.equilibrium import Equilibrium, Operated
@@ -165,9 +165,11 @@ def _design_pull(design: Equilibrium, end: WireEnd) -> float:
 
 
 def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
-    """Let everything that holds the wires swing along the track, but for their ends."""
+    """Let everything that holds the wires swing along the track, but for ends and fixed points."""
     tangent = model.mesh.frames.axes[:, 0].copy()
     tangent[[end.node for end in ends]] = 0.0
+    pieces = (*model.line.registrations, *model.line.suspensions)
+    tangent[model.mesh.nodes(piece.at for piece in pieces if piece.is_fixed_along)] = 0.0
     return Swing(tangent[system.stays.node], tangent[system.grounds.node])
 
 
@@ -261,7 +263,8 @@ def _arms(
         frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
     )
     axial = stays.axial_force(stays.state(system.position).length)
-    rows = {int(node): row for row, node in enumerate(stays.node)}
+    arms = np.flatnonzero(stays.law == BOTH_WAYS)
+    rows = {int(stays.node[row]): int(row) for row in arms}
     bare = system.with_(grounds=Grounds.none())
     missing = internal_force(bare, system.position).nodal - system.load
     lateral = frames.components(missing.reshape(-1, 6)[nodes, :3])[:, 1]

@@ -41,7 +41,7 @@ def judged(run: Run) -> Run:
     case = run.case
     advice = [*preflight(case), *implausible_inputs(case)]
     advice += implausible_shape(case, run.equilibrium)
-    told = (*map(str, advice), *_mean_forces(run), *outside_the_model(run))
+    told = (*map(str, advice), *_mean_forces(run), *_stops(run), *outside_the_model(run))
     return replace(run, warnings=(*run.warnings, *told))
 
 
@@ -64,6 +64,23 @@ def _mean_forces(run: Run) -> Iterator[str]:
                 f"within {100.0 * MEAN_FORCE_SHARE:g} %); the spring on its roof takes the rest: "
                 f"check the stiffness of its last stage ({spec.stages[-1].stiffness:g} N/m; most "
                 "lie between 0 and 200 N/m) and its working_height"
+            )
+
+
+def _stops(run: Run) -> Iterator[str]:
+    """Tell which uplift stops were met, when, and by how much."""
+    shape, supports = run.equilibrium, run.case.supports
+    for row, number in enumerate(shape.support_number.tolist()):
+        stop = supports.at(number - 1).stop
+        if stop is None or not 1 < number <= run.case.line.spans or not run.time.size:
+            continue
+        lifted = run.support_uplift[:, row]
+        if lifted.max() > stop.gap:
+            first, where = int(np.argmax(lifted > stop.gap)), run.case.line.support_in_words(number)
+            yield (
+                f"uplift stop: the wire meets that of {where} at t = {run.time[first]:.3f} s and "
+                f"rises by {1e3 * lifted.max():.1f} mm (gap {1e3 * stop.gap:.1f} mm); give the "
+                "stop more room, or lower the uplift"
             )
 
 

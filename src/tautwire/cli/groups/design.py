@@ -27,7 +27,9 @@ def spans(
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="CSV file.", show_default=False),
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="CSV file, or a page (.html).", show_default=False
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tautwire.analyses.design.masts import Masts
 from tautwire.assessment.design.lateral import LateralCheck
+from tautwire.assessment.span_table import SpanRow
 from tautwire.report.figures import style
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
+
+STRAIGHT_AT = 2.0
+"""Where straight track stands on an axis of radii, in units of the widest curve."""
 
 
 def tension_figure(masts: Masts) -> go.Figure:
@@ -93,4 +98,29 @@ def blown_figure(check: LateralCheck) -> go.Figure:
     figure.update_layout(
         xaxis=style.axis("position along the track [m]"), yaxis=style.axis("lateral position [mm]")
     )
+    return style.fit_legend(figure)
+
+
+def span_figure(rows: Sequence[SpanRow], winds: Sequence[float]) -> go.Figure:
+    """Draw the longest span over the radius, one curve per wind; straight track as widest."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(layout=style.layout(360, top=64))
+    radii = [row.curve.radius_or_infinity for row in rows]
+    widest = max((r for r in radii if np.isfinite(r)), default=1000.0)
+    x = [r if np.isfinite(r) else STRAIGHT_AT * widest for r in radii]
+    order = sorted(range(len(x)), key=lambda row: x[row])
+    for number, wind in enumerate(winds):
+        look = style.look(number)
+        lengths = [rows[row].spans[number].length for row in order]
+        figure.add_scatter(
+            x=[x[row] for row in order],
+            y=[length if np.isfinite(length) and length > 0.0 else None for length in lengths],
+            name=f"{wind:g} m/s",
+            mode="lines+markers",
+            line={"color": look.colour, "width": 1.5, "dash": look.dash},
+            hovertemplate="%{x:.0f} m: %{y:.1f} m",
+        )
+    axis = style.axis("radius [m]")
+    figure.update_layout(xaxis={**axis, "type": "log"}, yaxis=style.axis("longest span [m]"))
     return style.fit_legend(figure)

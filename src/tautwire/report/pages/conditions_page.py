@@ -16,7 +16,7 @@ from tautwire.report.figures import condition_figures as figures
 from tautwire.report.figures import design_figures
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
-from tautwire.report.parts.design import check_words
+from tautwire.report.parts.design import check_words, defect_words
 from tautwire.report.parts.design.lateral_words import (
     ALIGN,
     EXPLAINED,
@@ -83,6 +83,9 @@ def write_conditions_page(page: ConditionsPage, path: str | os.PathLike[str]) ->
     case, states = page.case, page.states
     possible = [one for one in states if not one.fault]
     contents = [_summary(case, states, possible), _ends(possible), _supports(page.masts)]
+    defects = tuple(defect_words.defect_rows(possible))
+    if defects:
+        contents.append(_defects(defects))
     if page.lateral is not None:
         contents.append(_lateral(page.lateral))
     if page.checks:
@@ -196,6 +199,17 @@ def _supports(masts: Masts) -> Section:
             )
         )
     return Section("supports", "Supports, installation, structures", tuple(blocks))
+
+
+def _defects(rows: tuple[tuple[str, ...], ...]) -> Section:
+    table = Table(
+        "Conditions with defects: the largest differences from the design with their places, "
+        "droppers that have become slack, and the softest place (that of the design).",
+        defect_words.HEAD,
+        defect_words.ALIGN,
+        rows,
+    )
+    return Section("defects", "Defects", (table,))
 
 
 def _lateral(check: LateralCheck) -> Section:

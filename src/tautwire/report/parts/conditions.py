@@ -14,6 +14,7 @@ from tautwire.report.parts.views import RunView
 from tautwire.report.parts.words import compact, counted, listing, number, quantity
 from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
+from tautwire.specs.line.support import Supports
 
 GROUPS = ("track", "line", "wires", "supports", "droppers", "irregularities", "pantographs",
           "scenario", "settings")  # fmt: skip
@@ -71,7 +72,8 @@ def _conventions(view: RunView) -> dict[str, str]:
         "contact stiffness": f"{1e-3 * settings.contact_stiffness:g} kN/m (penalty)",
         "closure at the supports": supports.closure,
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",
-        "steady arms": "none" if supports.closure == "spring" else supports.arm.motion,
+        "steady arms": "none" if supports.closure == "spring" else _arms(supports),
+        "uplift stops": _stops(supports),
         "messenger wire along the track": supports.messenger_longitudinal,
         "mesh": settings.mesh(),
         "time step": f"{1e3 * settings.step():g} ms",
@@ -86,6 +88,17 @@ def _conventions(view: RunView) -> dict[str, str]:
         "running direction": case.scenario.direction,
         "backend": str(view.run.counters.get("backend", settings.backend)),
     }
+
+
+def _arms(supports: Supports) -> str:
+    kinds = {kind.arm.motion for kind in supports.kinds()}
+    lengths = sorted({kind.arm.length for kind in supports.kinds()})
+    return f"{', '.join(sorted(kinds))}, {listing([f'{length:g}' for length in lengths])} m"
+
+
+def _stops(supports: Supports) -> str:
+    gaps = sorted({k.stop.gap if k.stop is not None else 0.0 for k in supports.kinds()})
+    return listing([f"gap {1e3 * gap:g} mm" if gap else "none" for gap in gaps])
 
 
 def _irregularities(view: RunView) -> str:

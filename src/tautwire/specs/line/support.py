@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, form_of, refuse
+from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, form_of, refuse
 from tautwire.specs.line.catenary import Line
 
 Height = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.08 to 5.5 m")]
 Encumbrance = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="1.2 to 1.8 m")]
 Stagger = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0.2 to 0.3 m")]
 Coordinate = Annotated[float, Quantity("m", ge=-100.0, le=100.0)]
+TypeName = Annotated[
+    str, Field(min_length=1, max_length=30, pattern=r"^[^/\\\x00-\x1f]+$"), Typical("push-off")
+]
 Hinge = Annotated[float, Quantity("m", ge=-20.0, le=20.0, typical="-3.2 m, 3.2 m")]
 Values = tuple[float, ...]
 LIKE_CONTACT = "contact"
@@ -79,6 +83,48 @@ class SupportSpring(Spec):
     )
 
 
+class UpliftStop(Spec):
+    """A stop on the cantilever that a steady arm meets when the wire has risen by a gap.
+
+    A spring that only pushes, normal to the plane of the rails.
+    """
+
+    gap: Annotated[float, Quantity("m", gt=0.0, le=1.0, typical="80 to 150 mm")] = Field(
+        description="Rise of the contact wire from its design until the stop is met."
+    )
+    stiffness: Annotated[float, Quantity("N/m", gt=0.0, le=1e9, typical="50 to 500 kN/m")] = Field(
+        default=1e5,
+        description="Stiffness of stop and cantilever together; chosen, a tube in bending, no "
+        "measured value is known.",
+    )
+
+
+class SupportType(Spec):
+    """A kind of support: what differs from the supports at large where it stands."""
+
+    name: TypeName = Field(description="Short name, by which supports.type places it.")
+    arm: Arm | None = Field(default=None, description="Its steady arm.")
+    stop: UpliftStop | None = Field(default=None, description="Its uplift stop.")
+    clamp: Annotated[float, Quantity("kg", ge=0.0, le=20.0)] | None = Field(
+        default=None, description="Mass of its steady-arm clamp."
+    )
+    lift: Annotated[float, Quantity("N", ge=-1e4, le=1e4)] | None = Field(
+        default=None, description="Closure 'lift': vertical force of its arm."
+    )
+    share: Annotated[float, Quantity("", ge=0.0, le=1.0)] | None = Field(
+        default=None, description="Closure 'lift', in place of lift: share of the contact wire."
+    )
+    messenger_stiffness: Annotated[float, Quantity("N/m", gt=0.0, le=1e12)] | None = Field(
+        default=None, description="Vertical stiffness of its messenger-wire support."
+    )
+    messenger_damping: Annotated[float, Quantity("N s/m", ge=0.0, le=1e9)] | None = Field(
+        default=None, description="Vertical damping of its messenger-wire support."
+    )
+    messenger_longitudinal: Literal["free", "fixed"] | None = Field(
+        default=None, description="Whether it holds the messenger wire along the track."
+    )
+
+
 class Supports(Spec):
     """The supports, numbered from 1 (left anchor) to spans + 1 (right anchor).
 
@@ -127,7 +173,18 @@ class Supports(Spec):
         "dropper before to the dropper behind the support, that the arm carries. Practice runs "
         "from next to nothing (what published uplifts fit) to half.",
     )
-    arm: Arm = Field(default=Arm(), description="Steady arm, the same at every support.")
+    arm: Arm = Field(default=Arm(), description="Steady arm, where no type has its own.")
+    stop: UpliftStop | None = Field(
+        default=None, description="Uplift stop, where no type has its own; none if left out."
+    )
+    types: tuple[SupportType, ...] = Field(
+        default=(), description="Kinds of supports that differ from the others, by name."
+    )
+    type: tuple[TypeName | None, ...] | None = Field(
+        default=None,
+        description="Type of each support, both anchors included; null where what stands above "
+        "holds.",
+    )
     arm_end_y: tuple[Coordinate | None, ...] | None = Field(
         default=None,
         description="Closure 'arm': lateral position of the far end of each arm, instead of "
@@ -197,8 +254,35 @@ class Supports(Spec):
                     "arm_end_y and arm_end_z for every support",
                 )
             )
-        refuse(problems)
+        refuse([*problems, *self._faults_of_types()])
         return self
+
+    def _faults_of_types(self) -> Iterator[Problem]:
+        """Name types there twice, places of unknown types, shares without their closure."""
+        names = [one.name for one in self.types]
+        for index, one in enumerate(self.types):
+            if one.name in names[:index]:
+                yield Problem(("types", index, "name"), f"{one.name!r} is there twice; rename one")
+            if self.closure != "lift" and (one.share is not None or one.lift is not None):
+                key = "share" if one.share is not None else "lift"
+                text = f"belongs to closure 'lift'; the closure is '{self.closure}'"
+                yield Problem(("types", index, key), text)
+        for index, name in enumerate(self.type or ()):
+            if name is not None and name not in names:
+                known = f"one of {', '.join(names)}" if names else "described in supports.types"
+                yield Problem(("type", index), f"got {name!r}; a type is {known}, or null")
+
+    def at(self, index: int) -> Supports:
+        """Return what holds at one support, from 0: the supports as its type has them."""
+        name = None if self.type is None else self.type[index]
+        found = [one for one in self.types if one.name == name]
+        return _as_type(self, found[0]) if found else self
+
+    def kinds(self) -> tuple[Supports, ...]:
+        """Return the supports as every type in use between the anchors has them."""
+        names = (None,) if self.type is None else self.type[1:-1]
+        first = {name: index for index, name in reversed(list(enumerate(names, 1)))}
+        return tuple(self.at(index) for index in sorted(first.values()))
 
     def contact_heights(self, supports: int) -> Values:
         """Return the contact height [m] at each of the supports."""
@@ -221,6 +305,16 @@ class Supports(Spec):
         if isinstance(self.messenger_stagger, str):
             return self.contact_staggers(supports)
         return _alternating(self.messenger_stagger, supports)
+
+
+def _as_type(supports: Supports, one: SupportType) -> Supports:
+    own = {name: value for name in type(one).model_fields
+           if name != "name" and (value := getattr(one, name)) is not None}  # fmt: skip
+    if one.share is not None:
+        own["lift"] = 0.0
+    elif one.lift is not None:
+        own["share"] = None
+    return supports.model_copy(update=own)
 
 
 def _per_support(value: float | Values, supports: int) -> Values:
