@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tautwire.analyses.design.supports import support_forces
 from tautwire.analyses.design.tensions import tension_profiles
 from tautwire.errors import InputError
 from tautwire.formulas.temperature import tension_at_fixed_point
@@ -107,6 +108,19 @@ def test_hinge_at_the_wire_is_refused() -> None:
     """A hinge where the wire is has no lever."""
     with pytest.raises(InputError, match=r"supports\.hinge"):
         half_length(0.1)
+
+
+def test_masts_take_what_the_wire_loses() -> None:
+    """Along the track a mast is pulled by its lateral force times u/d, and all masts together by
+    what the wire loses from its weights to its anchor."""
+    case = half_length(-ARM, curved=False)
+    (shape,) = states(case)[1].values()
+    forces = support_forces(build(case.with_condition("55 degC")), shape)
+    assert abs(sum(one.along for one in forces)) < 0.1
+    for one in forces[1:-1]:
+        travel = ALPHA * WARMING * one.x
+        distance = -ARM - one.lateral_position
+        assert one.along == pytest.approx(-one.lateral * travel / distance, rel=0.05)
 
 
 def test_fixed_point_holds_in_a_curve() -> None:

@@ -12,6 +12,7 @@ from tautwire.line.defects import placed
 from tautwire.line.pieces import At, Registration, Suspension
 from tautwire.model.build import Model
 from tautwire.model.equations import equations
+from tautwire.model.operation.cantilevers import cantilevers_of
 from tautwire.model.registrations import registrations_at_rest
 from tautwire.numerics.network.parts import Grounds, Stays
 from tautwire.numerics.network.system import internal_force
@@ -143,8 +144,9 @@ def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Arr
 
 
 def _constant_forces(model: Model, shape: Equilibrium) -> Array:
-    """Return the constant forces of registrations on the wires, ``(n_node, 3)`` [N].
+    """Return the constant forces of supports on the wires, ``(n_node, 3)`` [N].
 
+    Those of registrations, and those along the track of cantilevers that have turned.
     The share of the arm's weight that rests on a wire is none of them.
     """
     operated, gravity = shape.operated, model.case.line.gravity
@@ -154,6 +156,11 @@ def _constant_forces(model: Model, shape: Equilibrium) -> Array:
     for group, rest in registrations_at_rest(model.line, model.mesh, design, gravity, broken):
         total[group.nodes] += rest.load
         total[group.nodes, 2] += 0.5 * group.kind.carried_weight(gravity)
+    if operated is not None:
+        turning = cantilevers_of(model)
+        turned = turning.turned(model, operated.system, design.position)
+        along = model.mesh.frames.axes[turning.nodes, 0]
+        np.add.at(total, turning.nodes, turned.along[:, None] * along)
     return total
 
 
