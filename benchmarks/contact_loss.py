@@ -25,11 +25,12 @@ TOLERANCES = (0.8e-3, 0.2e-3, 0.05e-3, 0.0125e-3)
 REPEATS = 3
 STEPPINGS: dict[str, Any] = {
     "constant 1 ms": tw.ConstantStep(1e-3),
+    "constant 1 ms, plain": tw.ConstantStep(1e-3, corrects_waves=False),
     "variable 1 ms": tw.VariableStep(1e-3),
+    "variable 1 ms, plain": tw.VariableStep(1e-3, corrects_waves=False),
     "constant 0.2 ms": tw.ConstantStep(0.2e-3),
     **{f"adaptive {1e3 * t:g} ms": tw.AdaptiveStep(1e-3, tolerance=t) for t in TOLERANCES},
     "constant 0.5 ms": tw.ConstantStep(0.5e-3),
-    "constant 0.5 ms, waves": tw.ConstantStep(0.5e-3, corrects_waves=True),
 }
 REFERENCE = tw.ConstantStep(0.05e-3)
 

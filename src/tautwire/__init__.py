@@ -26,11 +26,14 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.operate import operate
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
+    from tautwire.analyses.survey.as_built import as_built
+    from tautwire.analyses.survey.rank import rank
     from tautwire.analyses.vibration.modes import modes
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
     from tautwire.inputs.recording import load_recording
+    from tautwire.inputs.survey import load_survey
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
@@ -66,6 +69,7 @@ __all__ = [
     "TautwireError",
     "VariableStep",
     "__version__",
+    "as_built",
     "build",
     "compare_losses",
     "compare_with_measurement",
@@ -79,8 +83,10 @@ __all__ = [
     "load_recording",
     "load_run",
     "load_study",
+    "load_survey",
     "modes",
     "operate",
+    "rank",
     "run",
     "run_study",
     "save_equilibrium",
@@ -105,6 +111,7 @@ _HOMES = {
     "SharpLowpass": "tautwire.signals.filters",
     "TautwireError": "tautwire.errors",
     "VariableStep": "tautwire.numerics.events.step_control",
+    "as_built": "tautwire.analyses.survey.as_built",
     "build": "tautwire.model.build",
     "compare_losses": "tautwire.analyses.force.loss_comparison",
     "compare_with_measurement": "tautwire.assessment.measurement",
@@ -118,8 +125,10 @@ _HOMES = {
     "load_recording": "tautwire.inputs.recording",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
+    "load_survey": "tautwire.inputs.survey",
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
+    "rank": "tautwire.analyses.survey.rank",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.road.shape import RESIDUAL
 from tautwire.model.build import build
-from tautwire.numerics.statics.form_finding import _FormFinder, find_form
+from tautwire.numerics.statics.form_finding import FormFinder, find_form
 from tautwire.status import Status
 
 from ..lines import ac_simple
@@ -39,7 +39,7 @@ def unfolded(band: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_bordered_matrix_is_the_derivative_of_the_residual(variant: str) -> None:
     """d(Q - G)/d(q, L0) along random steps of coordinates and lengths equals central differences
     to 1e-6: gravity and dropper stiffness follow the lengths (theory, section 2)."""
-    finder = _FormFinder(build(ac_simple(line__spans=2, **VARIANTS[variant])).form)
+    finder = FormFinder(build(ac_simple(line__spans=2, **VARIANTS[variant])).form)
     start = finder.problem.system
     x = np.concatenate([start.position, start.cables.length, start.ties.length])
     matrix = unfolded(finder.bordered_band(finder.unpack(x)))

@@ -110,7 +110,7 @@ def test_equilibrium_is_read_from_a_run(run: Run, stored: Path) -> None:
             {
                 *("case", "equilibrium", "status", "message", "time", "pantographs"),
                 *("droppers", "snapshots", "counters", "warnings", "provenance"),
-                *("events", "irregularities"),
+                *("events", "irregularities", "accuracy"),
             },
         ),
     ],

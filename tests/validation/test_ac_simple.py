@@ -108,7 +108,7 @@ def test_standard_deviations(
 
 
 def test_largest_force(record_validation: Record) -> None:
-    """The largest force at 320 km/h is 6 % below the benchmark's mean: see the note."""
+    """The largest force at 320 km/h is just within 6 % of the benchmark's mean: see the note."""
     ours = reference_line().sharp.maximum
     record_validation(
         "AC simple, 320 km/h",
@@ -121,7 +121,7 @@ def test_largest_force(record_validation: Record) -> None:
         note="the steady arms decide: acting only vertically 25 N larger, with three times their "
         "mass 9 N; messenger wire held along the track 6 N larger; mesh and step below 1 N",
     )
-    assert ours == pytest.approx(294.3, abs=1.0)
+    assert ours == pytest.approx(294.5, abs=1.0)
 
 
 def test_smallest_force(record_validation: Record) -> None:
@@ -174,7 +174,7 @@ def test_mesh_and_step_are_fine_enough(speed: int, record_validation: Record) ->
 )
 def test_contact_stiffness(band: str, target: float, note: str, record_validation: Record) -> None:
     """From 50 to 500 kN/m σ falls below 20 and 50 Hz and rises to 200 Hz, by the paper's numbers
-    within 3 percentage points but for 20 Hz, where it falls by 8.7 and not by 11.9 %."""
+    within 3 percentage points but for 20 Hz, where it falls by 8.5 and not by 11.9 %."""
     soft, stiff = (
         statistics(stiffness=own).pantograph().sharp.standard_deviations[band]
         for own in ("50 kN/m", "500 kN/m")
@@ -191,7 +191,7 @@ def test_contact_stiffness(band: str, target: float, note: str, record_validatio
         note=note,
     )
     assert inside == (band != "0_20")
-    assert change == pytest.approx({"0_20": -8.7, "0_50": -3.7, "0_200": 17.8}[band], abs=0.3)
+    assert change == pytest.approx({"0_20": -8.5, "0_50": -3.5, "0_200": 17.7}[band], abs=0.3)
 
 
 RANGES_275 = {
@@ -294,15 +294,20 @@ def test_plane_reading_loses_contact(record_validation: Record) -> None:
         note="two departures cancel below 20 Hz and not above",
     )
     assert not inside
-    assert count == 9
+    assert count == 6
 
 
 @pytest.mark.slow
 def test_plane_table_2_of_the_paper(record_validation: Record) -> None:
-    """With 500 kN/m the plane reading has the paper's standard deviations within 1 %."""
+    """With 500 kN/m the plane reading has the paper's standard deviations within 1 %, but for
+    σ(5-20): the paper's own scheme, without wave correction, has it within 0.2 %."""
     ours = plane(stiffness="500 kN/m").pantograph().sharp.standard_deviations
+    notes = {
+        "5_20": "33.0 N in the paper's plain Newmark scheme: the step of 1 ms took 0.5 N away, "
+        "which the wave correction gives back"
+    }
     for band, target in PAPER_SIGMA.items():
-        assert record_validation(
+        inside = record_validation(
             "AC simple, plane, 320 km/h, contact stiffness 500 kN/m",
             f"σ({band.replace('_', '-')} Hz), sharp",
             ours=ours[band],
@@ -310,7 +315,10 @@ def test_plane_table_2_of_the_paper(record_validation: Record) -> None:
             target=target,
             relative=0.01,
             source=PAPER,
+            note=notes.get(band, ""),
         )
+        assert inside == (band not in notes)
+    assert ours["5_20"] == pytest.approx(33.59, abs=0.1)
 
 
 @pytest.mark.slow

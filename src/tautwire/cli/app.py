@@ -17,6 +17,7 @@ from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
+    ErrorOption,
     ForceOption,
     FreeUpliftOption,
     JsonOption,
@@ -27,6 +28,7 @@ from tautwire.cli.options import (
     SetOption,
     SystemOption,
     with_condition,
+    with_error,
 )
 from tautwire.cli.session import FAILED, REFUSED, answering, open_closed_streams
 
@@ -205,6 +207,7 @@ def run(
     free_uplift: FreeUpliftOption = None,
     limits: LimitsOption = None,
     project: ProjectOption = None,
+    error: ErrorOption = None,
     pdf: PdfOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -221,9 +224,8 @@ def run(
         written = tuple(
             kind for kind, is_wanted in (("html", not no_report), ("pdf", pdf)) if is_wanted
         )
-        request = RunRequest(
-            case, with_condition(overrides, condition), out, asked, written, force, project
-        )
+        values = with_error(with_condition(overrides, condition), error)
+        request = RunRequest(case, values, out, asked, written, force, project)
         run_passage(answer, request)
 
 

@@ -40,6 +40,16 @@ JsonOption = Annotated[
     bool,
     typer.Option("--json", help="Print one JSON document on standard output and nothing else."),
 ]
+ErrorOption = Annotated[
+    str | None,
+    typer.Option(
+        "--error",
+        metavar="KIND",
+        help="Numerical error of every figure, from mesh and step: none, estimate or bound; "
+        "by default that of the case (settings.error).",
+        show_default=False,
+    ),
+]
 OutFolderOption = Annotated[
     Path | None,
     typer.Option(
@@ -91,6 +101,11 @@ FreeUpliftOption = Annotated[
         show_default=False,
     ),
 ]
+
+
+def with_error(overrides: list[str], kind: str | None) -> list[str]:
+    """Return the values to replace, with the kind of numerical error that was chosen among them."""
+    return overrides if kind is None else [*overrides, f"settings.error={json.dumps(kind)}"]
 
 
 def with_condition(overrides: list[str] | None, condition: str | None) -> list[str]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError, not_installed
 from tautwire.results.accessors import made
+from tautwire.results.accuracy import Accuracy
 from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
@@ -156,6 +157,8 @@ class Run(Told):
         Where contacts opened and closed; None when the step control does not locate that.
     irregularities : DrawnIrregularities or None
         What the line was computed with; None when it has none.
+    accuracy : Accuracy or None
+        Numerical errors of its statistics; None when none were asked for.
     """
 
     case: Case
@@ -172,6 +175,7 @@ class Run(Told):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     events: ContactEvents | None = None
     irregularities: DrawnIrregularities | None = None
+    accuracy: Accuracy | None = None
 
     @property
     def dropper_force(self) -> NDArray[np.float32]:

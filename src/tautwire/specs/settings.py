@@ -154,6 +154,11 @@ class Settings(Spec):
     store_shapes: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="Store the full shape of both wires over time."
     )
+    error: Literal["none", "estimate", "bound"] = Field(
+        default="none",
+        description="Numerical error of every statistic, from mesh and step: 'estimate' (one "
+        "coarser passage beside the run) or 'bound' (two, and wider).",
+    )
     backend: Literal["auto", "native", "reference"] = Field(
         default="auto", description="Kernels to compute with; 'auto' takes the fastest available."
     )

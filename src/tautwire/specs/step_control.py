@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -41,15 +41,23 @@ class StepControl(Spec):
         description="Adaptive: error of the duration of a loss that is aimed at; 0.2 ms if left "
         "out.",
     )
-    corrects_waves: Annotated[bool, Field(strict=True)] | None = Field(
-        default=None,
-        description="Make up for the loss of wave speed by the time step; by default with "
-        "'adaptive' only.",
+    corrects_waves: Annotated[bool, Field(strict=True)] = Field(
+        default=True,
+        description="Make up for the loss of wave speed by the time step, at no cost; false is "
+        "the plain scheme.",
     )
     most_losses: Annotated[int, Field(ge=1, le=100_000, strict=True), Typical("500")] = Field(
         default=500,  # some hundred times what a line has that is fit for service
         description="Variable, adaptive: losses per pantograph after which the run stops.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_stored_before(cls, data: Any) -> Any:
+        """Read null, of which stored runs are full: it once meant with the adaptive step alone."""
+        if isinstance(data, dict) and data.get("corrects_waves", True) is None:
+            return {**data, "corrects_waves": data.get("method") == "adaptive"}
+        return data
 
     @model_validator(mode="after")
     def _check_tolerances(self) -> StepControl:

@@ -270,16 +270,16 @@ def _stepping(model: Model) -> StepControl:
             tolerance=spec.gap_tolerance or VariableStep.tolerance,
             force_tolerance=spec.force_tolerance,
             most_losses=spec.most_losses,
-            corrects_waves=bool(spec.corrects_waves),
+            corrects_waves=spec.corrects_waves,
         )
     if spec.method == "adaptive":
         return AdaptiveStep(
             step,
             tolerance=spec.duration_tolerance or AdaptiveStep.tolerance,
             most_losses=spec.most_losses,
-            corrects_waves=spec.corrects_waves is not False,
+            corrects_waves=spec.corrects_waves,
         )
-    return ConstantStep(step, corrects_waves=bool(spec.corrects_waves))
+    return ConstantStep(step, corrects_waves=spec.corrects_waves)
 
 
 def _collect(simulation: Simulation, status: Status, spent: tuple[float, float]) -> Run:

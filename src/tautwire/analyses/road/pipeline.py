@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from tautwire.analyses.road.accuracy import with_accuracy
 from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.progress_bar import progress_bar
@@ -24,7 +25,7 @@ def run(
     *,
     overrides: Mapping[str, Any] | None = None,
     backend: Choice | None = None,
-    watch: Callable[[int, Progress], bool] | None = None,
+    watch: Callable[[int | str, Progress], bool] | None = None,
     progress: bool = False,
     **scenario: Any,
 ) -> Run:
@@ -39,7 +40,8 @@ def run(
     backend
         ``"auto"``, ``"native"`` or ``"reference"``; ``settings.backend`` by default.
     watch
-        Called with the number of the passage (from 1) and its progress; True stops the run.
+        Called with the number of the passage (from 1), or the name of a companion, and its
+        progress; True stops the run.
     progress
         Whether a bar shows how far each passage is, where nothing else watches.
     **scenario
@@ -68,7 +70,7 @@ def run_case(
     case: Case,
     *,
     backend: Choice | None = None,
-    watch: Callable[[int, Progress], bool] | None = None,
+    watch: Callable[[int | str, Progress], bool] | None = None,
 ) -> Run:
     """Do the same for a case that is complete."""
     model = build(case)
@@ -80,7 +82,7 @@ def run_line(
     shape: Equilibrium,
     *,
     backend: Choice | None = None,
-    watch: Callable[[int, Progress], bool] | None = None,
+    watch: Callable[[int | str, Progress], bool] | None = None,
 ) -> Run:
     """Do the same for a line whose shape is known.
 
@@ -88,6 +90,8 @@ def run_line(
     :mod:`tautwire.analyses.road.validity`.
     """
     if model.case.scenario.target_mean_force() is not None:
-        return judged(tune_mean_force(model, shape, backend=backend, watch=watch))
-    once = None if watch is None else lambda progress: watch(1, progress)
-    return judged(simulate(model, shape, backend=backend, watch=once))
+        found = tune_mean_force(model, shape, backend=backend, watch=watch)
+    else:
+        once = None if watch is None else lambda progress: watch(1, progress)
+        found = simulate(model, shape, backend=backend, watch=once)
+    return with_accuracy(judged(found), backend=backend, watch=watch)

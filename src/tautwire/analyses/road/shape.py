@@ -31,8 +31,12 @@ _RIGID_DROPPER = 1e8
 _SMALLEST_PULL = 10.0
 """Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
 over 1.22 m)."""
-_ACTIVE_SET_PASSES = 20
+_ACTIVE_SET_PASSES = 40
 """Most passes in search of the slack droppers; each changes at least one, few are slack at rest."""
+_JOINT_PASSES = 8
+"""Passes in which every dropper that is in the wrong state changes; sets that settle do so in two
+or three. Beyond that only the one that is furthest off changes: neighbours take each other's
+load, and changed together they may swap states for ever."""
 
 
 def find_shape(model: Model) -> Equilibrium:
@@ -84,11 +88,11 @@ def find_design(model: Model) -> Equilibrium:
     ModelError
         When a dropper or a steady arm would have to push; every one of them is named.
     """
-    form, iterations = _solve(model)
+    form, iterations = solve_design(model)
     return _equilibrium(model, form, iterations)
 
 
-def _solve(model: Model) -> tuple[Form, int]:
+def solve_design(model: Model) -> tuple[Form, int]:
     """Find the shape with the heights and lengths that are given."""
     given = [h.given for h in model.line.hangers if isinstance(h.given, GivenLength)]
     problem, spent = model.form, 0
@@ -98,31 +102,67 @@ def _solve(model: Model) -> tuple[Form, int]:
         _refuse_pushing_droppers(model, _dropper_forces(form))
         if not np.any(model.irregularities.dropper_length):
             return form, spent
-        problem = _with_length_errors(model, form)
+        lengths = form.system.ties.length + model.irregularities.dropper_length
+        problem = with_lengths(model, form, lengths)
     elif any(length.is_stretched for length in given):
         problem, spent = _with_unstrained_lengths(problem)
-    for _ in range(_ACTIVE_SET_PASSES):
+    problem, form, more = with_slack(problem)
+    _refuse_pushing_droppers(model, np.where(problem.tie_slot < 0, 0.0, _dropper_forces(form)))
+    return form, spent + more
+
+
+def with_slack(problem: FormProblem) -> tuple[FormProblem, Form, int]:
+    """Find a shape in which the droppers that would have to push are slack.
+
+    Parameters
+    ----------
+    problem
+        ``taut`` is the first guess of those that carry.
+
+    Returns
+    -------
+    problem : FormProblem
+        With the droppers that carry in ``taut``.
+    form : Form
+    iterations : int
+
+    Raises
+    ------
+    ConvergenceError
+        When Newton's iteration fails or the slack droppers do not settle.
+    """
+    spent = 0
+    for number in range(_ACTIVE_SET_PASSES):
         form = _converged(problem)
         spent += form.newton.iterations
         ties = form.system.ties
-        taut = ties.state(form.system.position).length > ties.length
+        apart = ties.state(form.system.position).length - ties.length
+        taut = apart > 0.0
         if np.array_equal(taut, problem.taut):
-            _refuse_pushing_droppers(
-                model, np.where(problem.tie_slot < 0, 0.0, _dropper_forces(form))
-            )
-            return form, spent
+            return problem, form, spent
+        if number >= _JOINT_PASSES:
+            furthest = np.argmax(np.where(taut != problem.taut, np.abs(apart), 0.0))
+            taut = problem.taut ^ (np.arange(len(taut)) == furthest)
         problem = replace(problem, taut=taut, system=_restart(problem, form))
     raise ConvergenceError(
         "shape finding: the set of slack droppers does not settle; check droppers.lengths"
     )
 
 
-def _with_length_errors(model: Model, form: Form) -> FormProblem:
-    """Return the problem of the lengths that were found, with their errors of installation."""
+def with_lengths(model: Model, form: Form, lengths: Array) -> FormProblem:
+    """Return the problem in which all dropper lengths are given, a found shape as its guess.
+
+    Parameters
+    ----------
+    model
+    form
+        Of the same line.
+    lengths : (n_dropper,) m
+        Unstrained.
+    """
     system = form.system
-    ties = system.ties.of_length(system.ties.length + model.irregularities.dropper_length)
-    given = system.with_(ties=ties, load=model.form.system.load)
-    return replace(model.form, system=given, tie_slot=np.full(len(ties), -1))
+    given = system.with_(ties=system.ties.of_length(lengths), load=model.form.system.load)
+    return replace(model.form, system=given, tie_slot=np.full(len(lengths), -1))
 
 
 def _with_unstrained_lengths(problem: FormProblem) -> tuple[FormProblem, int]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import JsonOption, LimitsOption
+from tautwire.cli.options import CaseArgument, JsonOption, LimitsOption, SetOption
 from tautwire.cli.session import answering
 
 
@@ -15,6 +15,8 @@ def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command()(measured)
     app.command()(compare)
+    app.command("as-built")(as_built)
+    app.command()(rank)
 
 
 MappingOption = Annotated[
@@ -159,3 +161,86 @@ def compare(
             tuple(files), reading, tuple(pantograph or ()), offset, search, limits
         )
         compare_runs(answer, request, out)
+
+
+def as_built(
+    case: CaseArgument,
+    survey: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SURVEY", help="CSV or XLSX: heights, lengths, staggers by place."
+        ),
+    ],
+    set_: SetOption = None,
+    accuracy: Annotated[
+        str | None,
+        typer.Option(
+            "--accuracy", metavar="LENGTH",
+            help="Standard deviation of the readings, 3 mm by default; a column of their own wins.",
+            show_default=False,
+        ),
+    ] = None,
+    scatter: Annotated[
+        str | None,
+        typer.Option(
+            "--scatter", metavar="LENGTH",
+            help="Standard deviation of dropper lengths about the design, 5 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    support_scatter: Annotated[
+        str | None,
+        typer.Option(
+            "--support-scatter", metavar="LENGTH",
+            help="The same of the heights at supports, 10 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR",
+            help="Folder for as-built.yaml (the case), page, JSON and tables.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Estimate the line as built from a survey: dropper lengths, heights, droppers misplaced."""
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.as_built import SurveyRequest, show_as_built
+
+        request = SurveyRequest(case, survey, set_ or [], accuracy, scatter, support_scatter)
+        show_as_built(answer, request, out)
+
+
+def rank(
+    case: CaseArgument,
+    built: Annotated[
+        str,
+        typer.Argument(metavar="BUILT", help="The line as built, as 'as-built' writes it."),
+    ],
+    set_: SetOption = None,
+    least: Annotated[
+        str | None,
+        typer.Option(
+            "--least", metavar="LENGTH", help="Least deviation that is looked at, 3 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR",
+            help="Folder for corrections.html (for the crew), JSON, CSV, and the passages, from "
+            "which a ranking that was stopped goes on.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Rank corrections of a line as built by what they do to the contact force."""
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.rank import RankRequest, show_ranking
+
+        show_ranking(answer, RankRequest(case, built, set_ or [], least), out)

@@ -185,6 +185,7 @@ def run_document(
         "pantographs": numbers["pantographs"],
         "uplift": numbers["uplift"],
         "droppers": numbers["droppers"],
+        "numerical_error": None if run.accuracy is None else run.accuracy.as_dict(),
         "cost": {key: run.counters.get(key) for key in COST},
         "checks": [check.as_dict() for check in checks],
         "provenance": dict(run.provenance),

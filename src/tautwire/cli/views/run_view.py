@@ -17,9 +17,10 @@ from tautwire.cli.views.conditions_view import condition_facts
 from tautwire.cli.views.loss_view import loss_cells, loss_view
 from tautwire.cli.views.tables import batched, facts, heading, table
 from tautwire.inputs.overrides import OVERRIDDEN
-from tautwire.report.parts.words import MISSING, counted, number, quantity, readable, speed
+from tautwire.report.parts.words import MISSING, counted, quantity, readable, speed, with_error
+from tautwire.results.accuracy import error_of
 from tautwire.results.run import Run
-from tautwire.results.statistics import PantographStatistics, RunStatistics
+from tautwire.results.statistics import ContactLoss, PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 from tautwire.text import marked
 
@@ -45,9 +46,9 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         heading(run.case.title or run.case.name, speed(run.case.scenario.speed)),
         _facts(run, statistics),
         heading("Contact force [N]", "over the section"),
-        *(_force_table(columns) for columns in batched(_columns(statistics), MOST_COLUMNS)),
+        *(_force_table(run, some) for some in batched(_columns(statistics), MOST_COLUMNS)),
         heading("Passage", _uplift(run, statistics)),
-        *(_passage_table(some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
+        *(_passage_table(run, some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
         *_losses(statistics),
         heading("Limits", "unverified: nobody compared the limit with the standard's text"),
         _check_table(checks, many=len(run.pantographs) > 1),
@@ -75,8 +76,17 @@ def _facts(run: Run, statistics: RunStatistics) -> Any:
             ("work", work),
             ("step control", str(counters.get("step_control", ""))),
             ("backend", str(counters.get("backend", ""))),
+            *error_facts(run),
         ]
     )  # fmt: skip
+
+
+def error_facts(run: Run) -> list[tuple[str, str]]:
+    """Say where the numerical errors come from that stand behind ±."""
+    found = run.accuracy
+    if found is None:
+        return []
+    return [("± is", f"the numerical error, {found.kind}: {found.told}, {duration(found.cpu_s)}")]
 
 
 def _columns(statistics: RunStatistics) -> list[tuple[str, PantographStatistics, str]]:
@@ -93,19 +103,24 @@ def _short(kind: str) -> str:
     return {"butterworth": "Butterworth"}.get(kind, kind)
 
 
-def _force_table(columns: Sequence[tuple[str, PantographStatistics, str]]) -> Any:
+def _force_table(run: Run, columns: Sequence[tuple[str, PantographStatistics, str]]) -> Any:
     parts = [entry.filtered[kind] for _, entry, kind in columns]
     low = f"0_{parts[0].cutoff:g}"
 
-    def headline(name: str) -> list[str]:
-        return [marked(number(getattr(p, name), 2), is_carried=p.carries(low)) for p in parts]
+    def told(name: str, values: Iterable[float]) -> list[str]:
+        errors = (error_of(run.accuracy, entry.name, kind, name) for _, entry, kind in columns)
+        return [with_error(v, e, 2) for v, e in zip(values, errors, strict=True)]
 
-    rows = [("mean", *(number(part.mean, 2) for part in parts))]
+    def seen(name: str, values: Iterable[float], band: str) -> list[str]:
+        pairs = zip(told(name, values), parts, strict=True)
+        return [marked(text, is_carried=part.carries(band)) for text, part in pairs]
+
+    def headline(name: str) -> list[str]:
+        return seen(name, (getattr(part, name) for part in parts), low)
+
+    rows = [("mean", *told("mean", (part.mean for part in parts)))]
     for band in parts[0].standard_deviations:
-        values = (
-            marked(number(part.standard_deviations[band], 2), is_carried=part.carries(band))
-            for part in parts
-        )
+        values = seen(band, (part.standard_deviations[band] for part in parts), band)
         rows.append((f"σ {band.replace('_', '-')} Hz", *values))
     rows += [
         (f"{QUANTITIES[name]}, 0-{parts[0].cutoff:g} Hz", *headline(name))
@@ -120,17 +135,23 @@ def _uplift(run: Run, statistics: RunStatistics) -> str:
         return ""
     support = uplift.supports[uplift.uplift == uplift.maximum][0]
     where = run.case.line.support_in_words(int(support))
-    return f"largest uplift at a support {quantity(1e3 * uplift.maximum, 'mm')} ({where})"
+    error = 1e3 * error_of(run.accuracy, "uplift")
+    return f"largest uplift at a support {with_error(1e3 * uplift.maximum, error)} mm ({where})"
 
 
-def _passage_table(entries: Sequence[PantographStatistics]) -> Any:
+def _passage_table(run: Run, entries: Sequence[PantographStatistics]) -> Any:
     losses = [entry.contact_loss for entry in entries]
+
+    def share(loss: ContactLoss) -> str:
+        error = error_of(run.accuracy, loss.pantograph, "loss")
+        return f"{with_error(loss.percent, error, 3)} %"
+
     rows = [
         ("uplift force", *(quantity(entry.uplift_force, "N", 2) for entry in entries)),
         ("tuned to a mean of", *(_target(entry) for entry in entries)),
         ("contact losses", *loss_cells(losses, lambda loss: str(loss.count))),
         ("5 ms or longer", *loss_cells(losses, lambda loss: str(loss.count_over()))),
-        ("share of time", *loss_cells(losses, lambda loss: quantity(loss.percent, "%", 3))),
+        ("share of time", *loss_cells(losses, share)),
         ("longest", *loss_cells(losses, lambda loss: quantity(1e3 * loss.longest, "ms"))),
     ]
     heads = ("", *(entry.name for entry in entries))

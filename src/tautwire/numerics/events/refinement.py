@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.numerics.events.crossings import crossings_between, suspect_times
-from tautwire.numerics.events.step_control import Chunk, LossCounter, Task
+from tautwire.numerics.events.step_control import Chunk, LossCounter, Task, wave_words
 from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.signals.losses import loss_intervals
 from tautwire.status import Status
@@ -100,10 +100,9 @@ class AdaptiveStep:
     def describe(self) -> str:
         """Name with parameters, as written to results."""
         base = 1e3 * self.time_step / 2**self.base_level
-        waves = ", wave speed corrected" if self.corrects_waves else ""
         return (
             f"adaptive step from {base:g} ms in the section and {1e3 * self.time_step:g} ms "
-            f"outside, loss durations to {1e3 * self.tolerance:g} ms{waves}"
+            f"outside, loss durations to {1e3 * self.tolerance:g} ms{wave_words(self)}"
         )
 
 

@@ -85,6 +85,11 @@ class StepControl(Protocol):
         ...
 
 
+def wave_words(control: StepControl) -> str:
+    """Tell whether a control makes up for the loss of wave speed."""
+    return ", wave speed corrected" if control.corrects_waves else ""
+
+
 @dataclass(frozen=True)
 class ConstantStep:
     """Advance with one time step throughout.
@@ -99,7 +104,7 @@ class ConstantStep:
     """
 
     time_step: float
-    corrects_waves: bool = False
+    corrects_waves: bool = True
 
     def integrate(self, task: Task) -> Iterator[Chunk]:
         """Advance chunk by chunk."""
@@ -113,8 +118,7 @@ class ConstantStep:
 
     def describe(self) -> str:
         """Name with parameters, as written to results."""
-        waves = ", wave speed corrected" if self.corrects_waves else ""
-        return f"constant step {1e3 * self.time_step:g} ms{waves}"
+        return f"constant step {1e3 * self.time_step:g} ms{wave_words(self)}"
 
 
 @dataclass(frozen=True)
@@ -142,7 +146,7 @@ class VariableStep:
     tolerance: float = 1e-4  # 5 N at 50 kN/m, a fiftieth of the force before a loss
     force_tolerance: float | None = None
     most_losses: float = inf
-    corrects_waves: bool = False
+    corrects_waves: bool = True
 
     def integrate(self, task: Task) -> Iterator[Chunk]:
         """Advance chunk by chunk, dividing steps."""
@@ -187,7 +191,10 @@ class VariableStep:
         met = f"{self.tolerance:g} m"
         if self.force_tolerance is not None:
             met = f"{self.force_tolerance:g} N"
-        return f"variable step {1e3 * self.time_step:g} ms, contact changes located to {met}"
+        return (
+            f"variable step {1e3 * self.time_step:g} ms, contact changes located to {met}"
+            f"{wave_words(self)}"
+        )
 
 
 class LossCounter:

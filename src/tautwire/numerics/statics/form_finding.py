@@ -109,10 +109,17 @@ def find_form(problem: FormProblem, residual: float) -> Form:
     residual
         Largest out-of-balance force accepted [N].
     """
-    return _FormFinder(problem).solve(residual)
+    return FormFinder(problem).solve(residual)
 
 
-class _FormFinder:
+class FormFinder:
+    """The equations of one problem: unknowns packed and unpacked, residual, tangent.
+
+    Parameters
+    ----------
+    problem
+    """
+
     def __init__(self, problem: FormProblem) -> None:
         self.problem = problem
         system = problem.system
@@ -159,16 +166,24 @@ class _FormFinder:
         return self.components(force - system.load)
 
     def residual(self, x: Array) -> Array:
+        """Return what is out of balance where it must not be, ``(n_dof,)``."""
         r = self.unbalanced(self.unpack(x))
         return np.where(self.problem.held, 0.0, r)
 
     def direction(self, x: Array, r: Array) -> Array | None:
+        """Return Newton's step; None when the tangent is singular."""
         from scipy.linalg.lapack import dgbsv  # pyright: ignore[reportAttributeAccessIssue]
 
         width = self.pattern.bandwidth
         band = self.bordered_band(self.unpack(x))
         _, _, step, info = dgbsv(width, width, band, -r, overwrite_ab=True, overwrite_b=True)
         return None if info else self.pack_step(step)
+
+    def tangent(self, system: System) -> csr_array:
+        """Return d(Q - G)/dq along the axes of the nodes, ``(n_dof, n_dof)``."""
+        parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
+        matrix = self.pattern.csr(self.pattern.values(parts))
+        return (self.turning @ matrix @ self.turning.T).tocsr()
 
     def bordered_band(self, system: System) -> Array:
         """Return the tangent with length columns as LAPACK factorises it.
@@ -180,12 +195,10 @@ class _FormFinder:
             factor.
         """
         held, width = self.problem.held, self.pattern.bandwidth
-        parts = tangent_parts(system, system.position, taut=self.problem.taut, pushing=True)
-        matrix = self.pattern.csr(self.pattern.values(parts))
-        matrix = (self.turning @ matrix @ self.turning.T).tocoo()
+        matrix = self.tangent(system).tocoo()
         kept = ~(held[matrix.row] | (held | self.replaced)[matrix.col])
         blocks = [(matrix.row[kept], matrix.col[kept], matrix.data[kept])]
-        blocks += [self.cable_columns(system), self.tie_columns(system), self.joint_columns()]
+        blocks += [self.cable_columns(system), self.sought_columns(system), self.joint_columns()]
         band = np.zeros((self.n_dof, 3 * width + 1))
         for rows, cols, values in blocks:
             own = ~held[rows]
@@ -206,20 +219,21 @@ class _FormFinder:
         cols = np.broadcast_to(self.problem.cable_slot, cables.dofs.shape)
         return cables.dofs.ravel(), cols.ravel(), column.reshape(-1)
 
-    def tie_columns(self, system: System) -> tuple[Index, Index, Array]:
+    def sought_columns(self, system: System) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dL0 of the ties whose length is sought."""
-        free, ties = self.free_length, system.ties
-        state = ties.state(system.position)
-        rate = -ties.stiffness
-        rate = np.where(np.isnan(ties.axial), rate, rate * state.length / ties.length)
-        pull = rate * state.direction
+        rows = system.ties.dofs[:, self.free_length]
+        cols = np.broadcast_to(self.problem.tie_slot[self.free_length], rows.shape)
+        column = self.tie_columns(system)[:, self.free_length]
+        return rows.ravel(), cols.ravel(), column.ravel()
+
+    def tie_columns(self, system: System) -> Array:
+        """Return d(Q - G)/dL0 of all ties as if they were taut, ``(6, n_tie)``."""
+        ties = system.ties
+        pull = tie_force_rate(system) * ties.state(system.position).direction
         column = np.concatenate([pull, -pull])
         column[[2, 5]] += 0.5 * ties.mass * self.problem.gravity
         column = np.einsum("naij,ajn->ain", self.axes[ties.nodes], column.reshape(2, 3, -1))
-        column = column.reshape(6, -1)
-        rows = ties.dofs[:, free]
-        cols = np.broadcast_to(self.problem.tie_slot[free], rows.shape)
-        return rows.ravel(), cols.ravel(), column[:, free].ravel()
+        return column.reshape(6, -1)
 
     def joint_columns(self) -> tuple[Index, Index, Array]:
         """Return d(Q - G)/dP of the joints whose force P is sought."""
@@ -250,6 +264,7 @@ class _FormFinder:
         )
 
     def solve(self, residual: float) -> Form:
+        """Solve the problem; see :func:`find_form`."""
         start = self.problem.system
         pulls = np.zeros(len(self.problem.joints))
         q = self.components(start.position)
@@ -259,6 +274,13 @@ class _FormFinder:
         system = self.unpack(newton.x)
         pulls = newton.x[len(newton.x) - len(pulls) :]
         return Form(system, self.unbalanced(system), pulls, newton)
+
+
+def tie_force_rate(system: System) -> Array:
+    """Return the force of taut ties per unstrained length, both ends held, ``(n_tie,)`` [N/m]."""
+    ties = system.ties
+    stretched = ties.state(system.position).length / ties.length
+    return -ties.stiffness * np.where(np.isnan(ties.axial), 1.0, stretched)
 
 
 def _turning(axes: Array) -> csr_array:

@@ -30,7 +30,9 @@ from tautwire.report.parts.words import (
     quantity,
     readable,
     speed,
+    with_error,
 )
+from tautwire.results.accuracy import error_of
 from tautwire.results.statistics import FilteredStatistics, PantographStatistics
 from tautwire.text import marked
 
@@ -149,11 +151,15 @@ def _force_table(shown: Sequence[Series]) -> Table:
     """Put the statistics of every series side by side, one column per filter."""
     entries = [(item, statistics_of(item)) for item in shown]
     columns = [(item, kind, e.filtered[kind]) for item, e in entries for kind in e.filtered]
-    rows: list[tuple[Cell, ...]] = [("mean", *(number(c.mean, 2) for _, _, c in columns))]
+    rows: list[tuple[Cell, ...]] = [
+        ("mean", *(_told(item, kind, "mean", c.mean) for item, kind, c in columns))
+    ]
     for name in BANDS:
         cells = [
-            marked(number(c.standard_deviations.get(name), 2), is_carried=c.carries(name))
-            for _, _, c in columns
+            marked(
+                _told(item, kind, name, c.standard_deviations.get(name)), is_carried=c.carries(name)
+            )
+            for item, kind, c in columns
         ]
         rows.append((f"σ, {band(name)}", *cells))
     for title, name in (
@@ -162,7 +168,13 @@ def _force_table(shown: Sequence[Series]) -> Table:
         ("mean + 3 σ", "statistical_maximum"),
         ("mean − 3 σ", "statistical_minimum"),
     ):
-        rows.append((title, *(_headline_cell(c, getattr(c, name), 2) for _, _, c in columns)))
+        cells = [
+            marked(
+                _told(item, kind, name, getattr(c, name)), is_carried=c.carries(f"0_{c.cutoff:g}")
+            )
+            for item, kind, c in columns
+        ]
+        rows.append((title, *cells))
     groups = [(item.label, len(entry.filtered)) for item, entry in entries if item.label]
     return Table(
         caption="Contact force over the analysed section [N]",
@@ -173,14 +185,26 @@ def _force_table(shown: Sequence[Series]) -> Table:
     )
 
 
+def _told(item: Series, kind: str, name: str, value: float | None) -> str:
+    """Return a figure of the force with its numerical error, where the run has one."""
+    return with_error(value, _error(item, statistics_of(item).name, kind, name), 2)
+
+
+def _error(item: Series, *path: str) -> float:
+    return error_of(item.view.run.accuracy, *path)
+
+
 def _filter_statement(shown: Sequence[Series]) -> str:
     """Name the filters of the table with every number, and the other conventions."""
     parts = [part for item in shown for part in statistics_of(item).filtered.values()]
     filters = {part.kind: part.description for part in parts}
+    found = [item.view.run.accuracy for item in shown if item.view.run.accuracy is not None]
+    ways = dict.fromkeys(f" ± is the numerical error of mesh and step ({a.told})." for a in found)
     return (
         f"Filters: {'; '.join(filters.values())}. Standard deviations divide by the number of "
         "samples; mean and extremes are those of the force up to 20 Hz. Contact loss is read from "
         "the unfiltered gap between wire and head, its ends interpolated between samples."
+        + "".join(ways)
     )
 
 
@@ -193,13 +217,15 @@ def _passage_table(shown: Sequence[Series]) -> Table:
         ("tuned to a mean of", *(t if t != number(None) else "not tuned" for t in target)),
         ("contact losses", *(_if_seen(e, str(e.contact_loss.count)) for _, e in entries)),
         ("share of time", *(
-            _if_seen(e, quantity(e.contact_loss.percent, "%", 3)) for _, e in entries)),
+            _if_seen(e, f"{with_error(e.contact_loss.percent, _error(i, e.name, 'loss'), 3)} %")
+            for i, e in entries)),
         ("longest loss", *(
             _if_seen(e, quantity(1e3 * e.contact_loss.longest, "ms", 2)) for _, e in entries)),
         ("share, 5 ms or more", *(
             _if_seen(e, quantity(e.contact_loss.percent_over(), "%", 3)) for _, e in entries)),
         ("largest uplift at a support", *(
-            quantity(1e3 * i.view.statistics.uplift.maximum, "mm") for i, _ in entries)),
+            f"{with_error(1e3 * i.view.statistics.uplift.maximum, 1e3 * _error(i, 'uplift'))} mm"
+            for i, _ in entries)),
         ("range of contact height", *(
             quantity(1e3 * e.contact_height_range, "mm") for _, e in entries)),
     ]  # fmt: skip

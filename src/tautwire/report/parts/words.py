@@ -30,6 +30,38 @@ def quantity(value: float | None, unit: str, digits: int = 1) -> str:
     return text if text == MISSING or not unit else f"{text}{SPACE}{unit}"
 
 
+def with_error(value: float | None, error: float, digits: int = 1) -> str:
+    """Return a number with its numerical error, and no digit that the error makes worthless.
+
+    Parameters
+    ----------
+    value : float or None
+    error : float
+        Half width of the error bar, rounded up to one digit (two where the first is 1); NaN where
+        none is known, for a number by itself.
+    digits : int
+        Most decimals.
+
+    Examples
+    --------
+    >>> with_error(52.378, 0.32, 2)
+    '52.4 ± 0.4'
+    >>> with_error(294.3, 12.0)
+    '294 ± 12'
+    """
+    if value is None or not math.isfinite(value) or not math.isfinite(error):
+        return number(value, digits)
+    place = -digits
+    if error > 0.0:
+        place = math.floor(math.log10(error))
+        place -= error < 2.0 * 10.0**place
+    place = max(place, -digits)
+    unit = 10.0**place
+    width = math.ceil(error / unit - 1e-9) * unit  # what rounding has added is taken off first
+    decimals = max(0, -place)
+    return f"{number(round(value / unit) * unit, decimals)} ± {number(width, decimals)}"
+
+
 def readable(value: float | None, unit: str) -> str:
     """Return an SI number in the unit people use for it.
 

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
 from tautwire.results import layout
+from tautwire.results.accuracy import Accuracy
 from tautwire.results.droppers import DropperHistory
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
@@ -247,9 +248,17 @@ def _run(file: h5netcdf.File) -> Run:
         provenance=_mapping(file, "provenance"),
         events=_events(file, len(case.pantographs)),
         irregularities=_irregularities(file, sizes),
+        accuracy=_accuracy(file),
         droppers=_droppers(file, sizes, len(time)),
         **_entries(file, layout.RUN, sizes),
     )
+
+
+def _accuracy(file: h5netcdf.File) -> Accuracy | None:
+    """Read the numerical errors, where the run has them."""
+    if "accuracy" not in file.attrs:
+        return None
+    return Accuracy.from_dict(json.loads(_text(file, "accuracy")))
 
 
 def _droppers(file: h5netcdf.File, sizes: dict[str, int], samples: int) -> DropperHistory:

@@ -55,6 +55,8 @@ def run_image(run: Run, elasticity: Elasticity | None = None) -> bytes:
             "warnings": _to_json(run.warnings),
             "counters": _to_json(run.counters),
         }
+        if run.accuracy is not None:
+            attributes["accuracy"] = _to_json(run.accuracy.as_dict())
         file.attrs.update(attributes)
         _write_axes(file, run)
         _write_entries(file, layout.RUN, run)

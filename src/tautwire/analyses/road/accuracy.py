@@ -1,0 +1,198 @@
+"""Error bars: what mesh and time step may have done to the statistics of a passage.
+
+The passage is repeated with longer elements and a longer step, under the same uplift force. The
+error of the step is of second order, so that with a step longer by sqrt(2) its change is the error
+itself: e(sqrt(2) h) - e(h) = 2 e(h) - e(h). Elements are twice as long, which changes a force by
+three times the error of a mesh of second order: the bar is on the safe side of meshes, and the
+companion is cheap. A step longer than that would not be cheaper: couplings of stitch wires and of
+two contact wires contract badly then. Errors of mesh and step may cancel in the change, and
+extremes are not smooth: hence a factor and a least width, both from passages over random lines of
+all topologies whose mesh and step were halved twice (benchmarks/error_bars.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.dynamics import Progress, simulate
+from tautwire.analyses.road.shape import find_shape
+from tautwire.errors import ConvergenceError, InputError, ModelError
+from tautwire.model.build import build
+from tautwire.numerics.motion.backend import Choice
+from tautwire.results.accuracy import Accuracy
+from tautwire.results.run import Run
+from tautwire.results.statistics import FilteredStatistics, RunStatistics
+from tautwire.specs.case import Case
+from tautwire.specs.settings import FEWEST_GRADED, Settings
+
+LONGER_STEP = math.sqrt(2.0)
+LONGER_ELEMENTS = 2.0
+"""Step and elements of the companion over those of the run, see above."""
+
+FACTOR = 2.0
+"""Width of an error bar over the change: calibrated, see above and docs/speed.md."""
+
+LEAST = 0.01
+"""Least width of an error bar, as a share of the standard deviation of the force (of the uplift
+itself): changes that small are as often chance. Calibrated likewise. Extremes lie about three
+standard deviations from the mean, so theirs is three times as much."""
+
+_EXTREMES = ("maximum", "minimum")
+_FAR = (*_EXTREMES, "statistical_maximum", "statistical_minimum")
+
+WORDS = {
+    "estimate": "one companion passage with elements 2 and a step 1.41 times as long",
+    "bound": "two companion passages, one with elements 2 and one with a step 1.41 times as long, "
+    "their changes added up",
+}
+
+
+def with_accuracy(
+    run: Run,
+    *,
+    backend: Choice | None = None,
+    watch: Callable[[str, Progress], bool] | None = None,
+) -> Run:
+    """Give a run the numerical errors of its statistics, as ``settings.error`` asks for.
+
+    Parameters
+    ----------
+    run
+        A passage that reached its end; another one is returned as it is.
+    backend
+        Kernels of the companions; ``settings.backend`` by default.
+    watch
+        Called with the name of the companion and its progress; True stops it, and the run has no
+        error bars then.
+
+    Returns
+    -------
+    Run
+        Without error bars, but with a warning, where a companion fails.
+    """
+    kind = run.case.settings.error
+    if kind == "none" or run.status != "done":
+        return run
+    forces = [record.uplift_force for record in run.pantographs]
+    cases = {
+        "estimate": [coarser(run.case)],
+        "bound": [coarser(run.case, step=False), coarser(run.case, mesh=False)],
+    }[kind]
+    companions: list[Run] = []
+    try:
+        for number, case in enumerate(cases, 1):
+            model = build(case)
+            name = f"companion {number} for the numerical error"
+            companions.append(
+                simulate(
+                    model,
+                    find_shape(model),
+                    uplift_forces=forces,
+                    backend=backend,
+                    watch=None if watch is None else lambda p, name=name: watch(name, p),
+                )
+            )
+            if companions[-1].status != "done":
+                return run
+    except (ConvergenceError, InputError, ModelError) as error:
+        text = f"the numerical error could not be estimated: {error}"
+        return replace(run, warnings=(*run.warnings, text))
+    return replace(run, accuracy=accuracy_of(run, companions, kind))
+
+
+def coarser(case: Case, *, mesh: bool = True, step: bool = True) -> Case:
+    """Return a case with longer elements, a longer step, or both.
+
+    A mesh that is as coarse as it can be is kept; the step is kept or made longer by itself.
+    """
+    settings, changes = case.settings, dict[str, Any]()
+    changes["settings.time_step"] = settings.step() * (LONGER_STEP if step else 1.0)
+    if mesh:
+        nodes = settings.nodes_between_droppers
+        if nodes is None:
+            changes["settings.band"] = max(20.0, settings.band / LONGER_ELEMENTS)
+        else:
+            changes["settings.nodes_between_droppers"] = coarser_nodes(settings, nodes)
+        if settings.longest_element is not None:
+            changes["settings.longest_element"] = settings.longest_element * LONGER_ELEMENTS
+    return case.with_(**changes)
+
+
+def coarser_nodes(settings: Settings, nodes: int) -> int:
+    """Return how many nodes between droppers make elements at least twice as long."""
+    fewest = FEWEST_GRADED if settings.is_graded() else 2
+    return max(fewest, int((nodes - 1) / LONGER_ELEMENTS) + 1)
+
+
+def accuracy_of(run: Run, companions: list[Run], kind: str) -> Accuracy:
+    """Compare a run with its companions.
+
+    Parameters
+    ----------
+    run
+    companions
+        Their changes are added up.
+    kind
+        ``"estimate"`` or ``"bound"``.
+    """
+    statistics = contact_statistics(run)
+    own, least = dict(figures(statistics)), dict(least_widths(statistics))
+    others = [dict(figures(contact_statistics(other))) for other in companions]
+    changes = {n: sum(abs(other[n] - value) for other in others) for n, value in own.items()}
+    widths = {n: least[n] + FACTOR * _shared(n, changes) for n in own}
+    return Accuracy(
+        kind=kind,
+        told=WORDS[kind],
+        first_span=statistics.section.first_span,
+        last_span=statistics.section.last_span,
+        cpu_s=sum(float(other.counters["cpu_s"]) for other in companions),
+        widths={name: width for name, width in widths.items() if math.isfinite(width)},
+    )
+
+
+def _shared(name: str, changes: Mapping[str, float]) -> float:
+    """Return the change that decides a figure's width: of both extremes the larger one.
+
+    One of them alone may hardly change by chance.
+    """
+    stem, _, last = name.rpartition("/")
+    if last not in _EXTREMES:
+        return changes[name]
+    return max(changes[f"{stem}/{extreme}"] for extreme in _EXTREMES)
+
+
+def figures(statistics: RunStatistics) -> Iterator[tuple[str, float]]:
+    """Yield the figures that have an error bar, by name."""
+    for entry in statistics.pantographs:
+        for kind, part in entry.filtered.items():
+            for name, value in _of_force(part).items():
+                yield f"{entry.name}/{kind}/{name}", value
+        yield f"{entry.name}/loss", entry.contact_loss.percent
+    yield "uplift", statistics.uplift.maximum
+
+
+def _of_force(part: FilteredStatistics) -> Mapping[str, float]:
+    return {
+        "mean": part.mean,
+        "maximum": part.maximum,
+        "minimum": part.minimum,
+        "standard_deviation": part.standard_deviation,
+        "statistical_maximum": part.statistical_maximum,
+        "statistical_minimum": part.statistical_minimum,
+        **part.standard_deviations,
+    }
+
+
+def least_widths(statistics: RunStatistics) -> Iterator[tuple[str, float]]:
+    """Yield the least width of the error bar of every figure."""
+    for entry in statistics.pantographs:
+        for kind, part in entry.filtered.items():
+            share = LEAST * part.standard_deviation
+            for name in _of_force(part):
+                yield f"{entry.name}/{kind}/{name}", (3.0 if name in _FAR else 1.0) * share
+        yield f"{entry.name}/loss", 0.0
+    yield "uplift", LEAST * statistics.uplift.maximum

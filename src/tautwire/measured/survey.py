@@ -1,0 +1,59 @@
+"""A survey of a line: heights, lengths and staggers at places, each with its accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Quantity = Literal["contact height", "messenger height", "dropper length", "stagger"]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One measured value.
+
+    Attributes
+    ----------
+    quantity : str
+    value : float m
+    accuracy : float m
+        Standard deviation of its error.
+    span, dropper : int or None
+        Of the dropper at which it was taken, both from 1.
+    support : int or None
+        Number of the support at which it was taken, from 1.
+    s : float or None m
+        Distance from support 1, where it was taken at neither.
+    where : str
+        Row of the table, for messages.
+    """
+
+    quantity: Quantity
+    value: float
+    accuracy: float
+    span: int | None = None
+    dropper: int | None = None
+    support: int | None = None
+    s: float | None = None
+    where: str = ""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """All readings of a survey.
+
+    Attributes
+    ----------
+    label : str
+    readings : tuple of Reading
+    notes : tuple of str
+        What was decided while it was read.
+    """
+
+    label: str
+    readings: tuple[Reading, ...]
+    notes: tuple[str, ...] = ()
+
+    def of(self, *quantities: Quantity) -> tuple[Reading, ...]:
+        """Return the readings of some quantities."""
+        return tuple(one for one in self.readings if one.quantity in quantities)
