@@ -1,8 +1,8 @@
 """How long is contact lost, and does the time step decide it?
 
-Expect: on a line with a rough running surface a constant step of 1 ms misses a loss that the
-adaptive step finds, and is wrong about the durations of the others by more than a tenth, whether
-its samples are counted or interpolated; the adaptive step by less than a twentieth. A short line
+Expect: on a line with a rough running surface a constant step of 1 ms is wrong about the durations
+of the losses by more than a tenth where its samples are counted, by less where they are
+interpolated; the adaptive step by less than a twentieth. A short line
 and a coarse mesh keep this example quick; they are too coarse for figures to be quoted.
 """
 
@@ -39,5 +39,5 @@ for match in comparison.matches:
 assert not refined.missed
 assert not refined.spurious
 assert refined.median_error < 0.05
-assert interpolated.missed
-assert min(interpolated.median_error, counted.median_error) > 0.1
+assert counted.median_error > 0.1
+assert 0.03 < interpolated.median_error < counted.median_error

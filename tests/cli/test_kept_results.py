@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -14,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tautwire.cli.folders import default_folder
+from tautwire.cli import commands
+from tautwire.cli.folders import RESULTS, default_folder
 from tautwire.files import FolderLock
 from tautwire.results.storage import load_elasticity, load_equilibrium, load_run
 
@@ -49,8 +51,24 @@ def test_folder_of_another_run_is_refused(invoke: Invoke) -> None:
     assert load_run("out/run.nc").status == "done"
     assert invoke(*STATIC, "--out", "out").code == 2
     assert invoke(*STATIC, "--out", "out", "--force").code == 0
-    written = {"static.nc", "static.json", "droppers.csv", "elasticity.csv"}
+    written = {
+        "static.nc",
+        "static.json",
+        "droppers.csv",
+        "elasticity.csv",
+        "supports.csv",
+        "design.csv",
+    }
     assert _names("out") == {*written, "notes.txt"}
+
+
+@pytest.mark.parametrize("command", ["run", "static"])
+def test_every_file_of_a_result_is_known(command: str) -> None:
+    """What a command writes into its folder is recognised there as that of another result."""
+    text = Path(commands.__path__[0], f"{command}.py").read_text(encoding="utf-8")
+    written = re.findall(r'files\.write\(\s*"([^"]+)"', text)
+    assert len(written) > 1
+    assert set(written) <= set(RESULTS)
 
 
 def test_what_is_set_names_the_default_folder(invoke: Invoke) -> None:
@@ -176,7 +194,8 @@ def test_stopped_static_keeps_its_shape(invoke: Invoke, monkeypatch: pytest.Monk
     assert outcome.code == 143
     assert outcome.document["status"] == "partial"
     assert outcome.document["elasticity"] is None
-    assert _names("out") == {"static.nc", "static.json", "droppers.csv"}
+    kept = {"static.nc", "static.json", "droppers.csv", "supports.csv", "design.csv"}
+    assert _names("out") == kept
     _, shape = load_equilibrium("out/static.nc")
     assert np.isfinite(shape.position).all()
     assert load_elasticity("out/static.nc") is None

@@ -278,9 +278,11 @@ def test_full_disk(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     assert outcome.document["shape"]["iterations"] > 0
     assert outcome.document["error"]["kind"] == "output"
     assert sorted(path.name for path in Path("out").iterdir()) == [
+        "design.csv",
         "droppers.csv",
         "elasticity.csv",
         "static.json",
+        "supports.csv",
     ]
 
 

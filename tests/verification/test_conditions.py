@@ -430,7 +430,7 @@ COLD = {
 def test_everything_runs_from_the_condition() -> None:
     """The line under a condition is at rest with its wind and ice on, both engines give its
     passage alike, and its elasticity differs from that of the design."""
-    quick = {"settings__start": 40.0, "settings__time_step": 2e-3}
+    quick = {"settings__start": 40.0, "settings__time_step": 2e-3, "settings__tolerance": 1e-9}
     case = catenary(COLD, **quick).with_condition("cold")
     model = build(case)
     shape = find_shape(model)

@@ -166,7 +166,7 @@ def cases(
 
 @app.command()
 def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption = False) -> None:
-    """Check an input: every error at once, wave quantities, advice. Nothing is computed."""
+    """Check an input: every error at once, wave quantities, advice. No passage runs."""
     with answering(as_json) as answer:
         from tautwire.cli.commands.inputs.check import check_case
 

@@ -15,7 +15,8 @@ from tautwire.text import shortened
 
 RESULTS = (
     "run.nc", "results.json", "report.html", "report.pdf", "force.csv", "force-*.csv",
-    "droppers.csv", "static.nc", "static.json", "elasticity.csv",
+    "droppers.csv", "static.nc", "static.json", "elasticity.csv", "supports.csv", "tensions.csv",
+    "installation.csv", "lateral.csv", "design.csv", "conditions.csv", "conditions.html",
 )  # fmt: skip
 """Files of one run, or of one static state; a folder holds those of one of them."""
 
