@@ -26,7 +26,7 @@ THREE_KV = (
     "the uplift is proportional to the mean force (65 mm under 190 N on the CA-160/3kV A), so the "
     "sheet's would take {needed:.0f} N. The sheets' own uplifts of one line, the CA-160H under "
     "3 kV and under 25 kV, are 60 and 34 mm, which takes 180 N, where EN 50367 as remembered gives "
-    "135; under 25 kV this program finds the sheet's, of the CA-200H 16 % less. Force and pantograph of the 3 kV sheets are "
+    "135; under 25 kV this program finds the sheet's. Force and pantograph of the 3 kV sheets are "
     "unknown"
 )
 HEAVY_WIRES = {
