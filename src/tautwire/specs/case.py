@@ -190,3 +190,13 @@ class Case(Told, Spec):
         if given is not None:
             return (given,) * len(self.pantographs)
         return tuple(pantograph.uplift_force(scenario.air) for pantograph in self.pantographs)
+
+    def uplift_space(self) -> float | None:
+        """Return the free space for uplift at the supports [m], None when nobody says it.
+
+        It is what the requirements state, or else the smallest gap of an uplift stop.
+        """
+        if self.requirements.uplift_space is not None:
+            return self.requirements.uplift_space
+        gaps = (kind.stop.gap for kind in self.supports.kinds() if kind.stop is not None)
+        return min(gaps, default=None)
