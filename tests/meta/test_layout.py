@@ -115,3 +115,15 @@ def test_basic_traces_are_in_the_basic_library() -> None:
     """The kinds of traces for which the basic plotly.js is taken are those that it has."""
     script = basic_library().read_text(encoding="utf-8")
     assert set(re.findall(r'moduleType:"trace",name:"(\w+)"', script)) == BASIC_TRACES
+
+
+def test_a_folder_holds_at_most_twelve_files(root: Path) -> None:
+    """Folders stay small enough to be read at a glance; compiled files do not count."""
+    folders = {path.parent for path in (root / "src" / "tautwire").rglob("*.py")}
+    counts = {
+        str(folder.relative_to(root)): sum(
+            path.is_file() and path.suffix not in {".so", ".pyd"} for path in folder.iterdir()
+        )
+        for folder in folders
+    }
+    assert not {folder: count for folder, count in counts.items() if count > 12}
