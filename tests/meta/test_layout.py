@@ -78,3 +78,15 @@ def test_make_check_is_ci(root: Path) -> None:
     workflow = (root / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
     assert "check:\n\tbash .ci/run\n" in makefile
     assert "run: bash .ci/run" in workflow
+
+
+def test_a_folder_holds_at_most_twelve_files(root: Path) -> None:
+    """Folders stay small enough to be read at a glance; compiled files do not count."""
+    folders = {path.parent for path in (root / "src" / "tautwire").rglob("*.py")}
+    counts = {
+        str(folder.relative_to(root)): sum(
+            path.is_file() and path.suffix not in {".so", ".pyd"} for path in folder.iterdir()
+        )
+        for folder in folders
+    }
+    assert not {folder: count for folder, count in counts.items() if count > 12}

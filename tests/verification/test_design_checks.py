@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tautwire.analyses.road.conditions import examine
+from tautwire.analyses.design.conditions import examine
 from tautwire.analyses.road.shape import find_design
 from tautwire.assessment.design.checks import GIVEN, DesignCheck, design_checks
 from tautwire.assessment.design.limits import design_limits

@@ -26,7 +26,7 @@ from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.elements import ancf
 from tautwire.plain import Plain
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.specs.case import Case
 from tautwire.text import DESIGN
