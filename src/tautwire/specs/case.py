@@ -12,6 +12,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from tautwire.specs.base import LIST, MAPPING, Spec, Typical, form_of, refuse
 from tautwire.specs.checks import find_contradictions
 from tautwire.specs.conditions.condition import Condition
+from tautwire.specs.line.body import Body
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.irregularity import Irregularities
@@ -90,6 +91,10 @@ class Case(Told, Spec):
         default=(),
         description="How neighbouring tension lengths overlap, from left to right: one overlap for "
         "all, or one each.",
+    )
+    bodies: tuple[Body, ...] = Field(
+        default=(),
+        description="Bodies in the line of wires: splices, insulators, section insulators.",
     )
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."
