@@ -87,3 +87,7 @@ def test_limits_follow_the_speed_and_the_case() -> None:
     uplift = found["uplift_share"]
     assert 0.1 < uplift.value < 1.0
     assert "not checked" in uplift.source
+    stops = catenary(supports__stop__gap=0.12)
+    stopped = checked(stops, with_elasticity=True)["uplift_share_with_stop"]
+    assert stopped.value == pytest.approx(uplift.value, rel=1e-9)
+    assert stopped.limit == pytest.approx(1.0 / 1.5, abs=1e-4)

@@ -39,7 +39,7 @@ from tautwire.inputs.reading.tables import (
 from tautwire.specs.base import Spec
 from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.tables.columns import KINDS, Field, named_field
-from tautwire.tables.line import SECTIONS
+from tautwire.tables.line import SECTIONS, LineTables
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -370,13 +370,12 @@ class _Composer:
             self._miss(error, files)
             return {}, []
         file_of = {section: files[kind] for kind in files for section in SECTIONS[kind]}
-        self.result.problems += _given_twice(found.values, own, file_of, document.label)
+        self.result.problems += _given_twice(found, own, file_of, document.label)
         self.result.cells |= cells_by_list(found.origins)
         sources: Sources = [
-            {"path": f"{section}.{key}", "source": f"Table {file_of[section]}",
+            {"path": path, "source": f"Table {file_of[path.partition('.')[0]]}",
              "confidence": "one source"}
-            for section, values in found.values.items()
-            for key in values
+            for path, _ in found.told()
         ]  # fmt: skip
         return found.values, sources
 
@@ -433,18 +432,17 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
 
 
 def _given_twice(
-    table: Mapping[str, Any], own: Mapping[str, Any], files: Mapping[str, str], label: str
+    table: LineTables, own: Mapping[str, Any], files: Mapping[str, str], label: str
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
-    for section, values in table.items():
-        for key, value in values.items():
-            given = value_at(own, (section, key))
-            if given is not None and given != value:
-                problems.append(
-                    f"{label}: {section}.{key}: is given here and in the table "
-                    f"{files[section]}; keep one"
-                )
+    for path, value in table.told():
+        steps = tuple(path.split("."))
+        given = value_at(own, steps)
+        if given is not None and given != value:
+            problems.append(
+                f"{label}: {path}: is given here and in the table {files[steps[0]]}; keep one"
+            )
     return problems
 
 
