@@ -14,7 +14,7 @@ from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs import inheritance
 from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
-from tautwire.inputs.merge import merge
+from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import (
     PathError,
@@ -209,7 +209,7 @@ class _Composer:
         part = self._mapping(own, at, document, (*trail, document))
         if trail:
             self.result.shelf = outer
-        values = merge(part.values, overlay)
+        values = with_table(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
         sources = inheritance.still_stated(sources, document.content, overlay, at)
@@ -372,10 +372,9 @@ class _Composer:
         self.result.problems += _given_twice(found.values, own, file_of, document.label)
         self.result.cells |= cells_by_list(found.origins)
         sources: Sources = [
-            {"path": f"{section}.{key}", "source": f"Table {file_of[section]}",
+            {"path": format_path(path), "source": f"Table {file_of[str(path[0])]}",
              "confidence": "one source"}
-            for section, values in found.values.items()
-            for key in values
+            for path in paths_of(found.values)
         ]  # fmt: skip
         return found.values, sources
 
@@ -436,14 +435,12 @@ def _given_twice(
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
-    for section, values in table.items():
-        for key, value in values.items():
-            given = value_at(own, (section, key))
-            if given is not None and given != value:
-                problems.append(
-                    f"{label}: {section}.{key}: is given here and in the table "
-                    f"{files[section]}; keep one"
-                )
+    for path in paths_of(table):
+        given, file = value_at(own, path), files[str(path[0])]
+        if given is not None and given != value_at(table, path):
+            problems.append(
+                f"{label}: {format_path(path)}: is given here and in the table {file}; keep one"
+            )
     return problems
 
 
