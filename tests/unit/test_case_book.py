@@ -12,7 +12,7 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.catalogue.entries import list_entries
 from tautwire.cli.app import run_command_line
 from tautwire.errors import InputError
-from tautwire.inputs.case_book import case_sheets, write_workbook
+from tautwire.inputs.book.case_book import case_sheets, write_workbook
 from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
 from tautwire.model.build import build

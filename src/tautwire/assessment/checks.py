@@ -100,7 +100,7 @@ class Criteria:
     system : {"ac", "dc-1.5kv", "dc-3kv"}
         Supply system.
     free_uplift : float m or None
-        Free space for uplift at the supports.
+        Free space for uplift at the supports; None for that of the case.
     limits : Limits or None
         Limits of the user's own; None for those of the package.
     """
@@ -133,8 +133,7 @@ def checks(
 
     Forces are those of the headline filter. A mean force that was tuned to a value which keeps its
     limit keeps it as well when it misses by no more than the tolerance of the tuning; the check
-    says so. Uplift stops of the case leave the smallest of their gaps as free space; without
-    stops it is asked for, and without it the uplift is not checked.
+    says so. Without any free space for uplift, the uplift is not checked.
 
     Parameters
     ----------
@@ -143,7 +142,8 @@ def checks(
     system : {"ac", "dc-1.5kv", "dc-3kv"}
         Supply system, which decides between curves; a case does not say it.
     free_uplift : float m, optional
-        Free space for uplift at the supports; by default the gap of the stops of the case.
+        Free space for uplift at the supports; by default that of the case,
+        :meth:`Case.uplift_space`.
     uplift_stop : bool, optional
         Whether the steady arms have an uplift stop; by default as the case says.
     limits : Limits, optional
@@ -160,9 +160,9 @@ def checks(
     """
     supply = known_system(system)
     speed = case.scenario.speed
-    gaps = [kind.stop.gap for kind in case.supports.kinds() if kind.stop is not None]
-    has_stop = bool(gaps) if uplift_stop is None else uplift_stop
-    space = min(gaps, default=None) if free_uplift is None else free_uplift
+    stops = any(kind.stop is not None for kind in case.supports.kinds())
+    has_stop = stops if uplift_stop is None else uplift_stop
+    space = case.uplift_space() if free_uplift is None else free_uplift
     rows: list[Check] = []
     for limit in (limits or load_limits()).limits:
         if not limit.applies.includes(supply, speed, uplift_stop=has_stop):

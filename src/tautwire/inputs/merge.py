@@ -42,14 +42,16 @@ def with_table(values: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str,
 
 
 def paths_of(table: Mapping[str, Any]) -> list[tuple[str | int, ...]]:
-    """Return the paths of what tables of a line say: two steps down, in lists three."""
+    """Return the paths of what tables of a line say; of sets of droppers the lists one by one."""
     paths: list[tuple[str | int, ...]] = []
     for section, values in table.items():
         if isinstance(values, Mapping):
             paths += [(section, key) for key in values]
-        else:
+        elif section == "droppers":
             paths += [(section, n, key) for n, one in enumerate(values) for key in one
                       if key != "set"]  # fmt: skip
+        elif section != "sources":
+            paths.append((section,))
     return paths
 
 

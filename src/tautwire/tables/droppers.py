@@ -57,7 +57,7 @@ def read_droppers(rows: Rows, plan: LinePlan) -> DropperTable:
     if positions is None:
         raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
     supports = rows.numbers("about_support") or [None] * len(positions)
-    places = _span_of_rows(rows, plan, supports)
+    places = _places_of_rows(rows, plan, supports)
     lengths = UNSTRAINED if rows.mapping.use(UNSTRAINED) is not None else "length"
     columns = {"positions": positions, **_kinds_of_length(rows, plan, places, lengths)}
     identity = _identity_of_rows(rows)
@@ -191,14 +191,22 @@ def check_order(rows: Rows, name: str, expected: Sequence[int]) -> None:
             return
 
 
-def _span_of_rows(rows: Rows, plan: LinePlan, supports: Sequence[float | None]) -> list[int]:
-    """Return the span of every dropper from a span number or the mast on its left.
+def _places_of_rows(rows: Rows, plan: LinePlan, supports: Sequence[float | None]) -> list[int]:
+    """Return the span of every dropper; of one that counts from a support, the number of that."""
+    if all(support is None for support in supports):
+        return span_of_rows(rows, plan)
+    numbers = rows.numbers("span") or [None] * len(supports)
+    return [int(s or n or 1) for s, n in zip(supports, numbers, strict=True)]
 
-    Of one that counts from a support, the number of that.
+
+def span_of_rows(rows: Rows, plan: LinePlan) -> list[int]:
+    """Return the span of every row from a span number or the mast on its left.
+
+    Raises
+    ------
+    InputError
+        When the table has neither.
     """
-    if any(support is not None for support in supports):
-        numbers = rows.numbers("span") or [None] * len(supports)
-        return [int(s or n or 1) for s, n in zip(supports, numbers, strict=True)]
     if (numbers := rows.numbers("span")) is not None:
         filled: list[int] = []
         for index, number in enumerate(numbers):
@@ -209,7 +217,7 @@ def _span_of_rows(rows: Rows, plan: LinePlan, supports: Sequence[float | None]) 
     names = rows.texts("mast")
     if names is None:
         raise InputError(
-            f"{rows.sheet.label}: neither a span number nor a mast; say to which span a dropper "
+            f"{rows.sheet.label}: neither a span number nor a mast; say to which span a row "
             "belongs, in a column 'Span no' or 'Mast' (the mast on its left)"
         )
     spans, last = [], ""

@@ -1,4 +1,4 @@
-"""Mapped sheets as parts of a case: spans, supports, droppers, wires, names and chainage."""
+"""Mapped sheets as parts of a case: spans, supports, droppers, wires, bodies, names, chainage."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.tables.columns import role_of
-from tautwire.tables.droppers import LinePlan, check_order, read_droppers
+from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
 from tautwire.tables.rows import Rows
 from tautwire.tables.sheets import Cell
@@ -20,7 +20,12 @@ APART = 0.1
 """Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
 _LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y")
 """Columns that change their sign with the side on which they are positive."""
-SECTIONS = {"supports": ("line", "supports"), "droppers": ("droppers",), "wires": ("wires",)}
+SECTIONS = {
+    "supports": ("line", "supports"),
+    "droppers": ("droppers",),
+    "wires": ("wires",),
+    "bodies": ("bodies",),
+}
 """Parts of a case that a kind of table fills."""
 
 
@@ -201,10 +206,13 @@ def _column_of_spans(rows: Rows, spans: Sequence[float | None], result: LineTabl
     return [value or 0.0 for value in own]
 
 
-def _droppers(rows: Rows, result: LineTables) -> None:
+def _plan(result: LineTables) -> LinePlan:
     line = result.values.get("line", {})
-    plan = LinePlan(line.get("span_length", []), line.get("masts", []), line.get("spans", 0))
-    found = read_droppers(rows, plan)
+    return LinePlan(line.get("span_length", []), line.get("masts", []), line.get("spans", 0))
+
+
+def _droppers(rows: Rows, result: LineTables) -> None:
+    found = read_droppers(rows, _plan(result))
     result.values["droppers"] = found.values
     result.origins |= {("droppers", *path): cell for path, cell in found.origins.items()}
     result.notes += found.notes
@@ -247,11 +255,32 @@ def _wires(rows: Rows, result: LineTables) -> None:
     result.values["wires"] = wires
 
 
+def _bodies(rows: Rows, result: LineTables) -> None:
+    places = rows.full("position")
+    if places is None:
+        raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
+    columns: dict[str, Sequence[Any]] = {"span": span_of_rows(rows, _plan(result)), "at": places}
+    for key, name in (("name", "body"), ("wire", "wire"), ("tension_length", "tension_length")):
+        columns[key] = rows.texts(name) or ()
+    for name in ("length", "mass", "end_mass", "axial_stiffness", "bending_stiffness"):
+        columns[name] = rows.numbers(name) or ()
+    bodies = [
+        {key: values[index] for key, values in columns.items() if values}
+        for index in range(len(places))
+    ]
+    result.values["bodies"] = [
+        {key: value for key, value in body.items() if value is not None} for body in bodies
+    ]
+    for index in range(len(places)):
+        result.origins["bodies", index] = rows.place(index, "position")
+
+
 _READERS = {
     "values": _values,
     "sources": _sources,
     "supports": _supports,
     "wires": _wires,
     "droppers": _droppers,
+    "bodies": _bodies,
 }
 """Reader of every kind of table, in the order in which they need each other."""

@@ -39,6 +39,7 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "wires": (("wire",), ("use", "tension", "mass")),
     "values": (("path",), ("value",)),
     "sources": (("path",), ("source",), ("confidence",)),
+    "bodies": (("body",), ("wire",), ("position",)),
     RECORDING: (
         ("time", "position", "odometer"),
         ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
@@ -70,7 +71,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers``, ``wires`` or ``recording``.
+        ``supports``, ``droppers``, ``wires``, ``bodies`` or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use

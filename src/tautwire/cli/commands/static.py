@@ -8,9 +8,9 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.design.conditions import examine, state_of
 from tautwire.analyses.design.lateral import lateral_sweep
 from tautwire.analyses.design.masts import Masts, masts_of
-from tautwire.analyses.road.conditions import examine, state_of
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.shape import find_shape
 from tautwire.assessment.design.checks import DesignCheck, design_checks
@@ -28,7 +28,7 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
-from tautwire.inputs.case_book import write_workbook
+from tautwire.inputs.book.case_book import write_workbook
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
@@ -42,7 +42,7 @@ from tautwire.report.parts.design.mast_words import (
     tensions_csv,
 )
 from tautwire.report.parts.tables import write_dropper_table
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.storage import save_equilibrium
 from tautwire.specs.case import Case

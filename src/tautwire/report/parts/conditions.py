@@ -16,8 +16,8 @@ from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 from tautwire.specs.line.support import Supports
 
-GROUPS = ("track", "line", "wires", "supports", "droppers", "irregularities", "pantographs",
-          "scenario", "settings")  # fmt: skip
+GROUPS = ("track", "line", "wires", "supports", "droppers", "bodies", "irregularities",
+          "pantographs", "scenario", "settings")  # fmt: skip
 LONG = 12
 """Lists with more items than this are shortened."""
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from tautwire.analyses.road.conditions import examine, state_of
+from tautwire.analyses.design.conditions import examine, state_of
 from tautwire.analyses.road.shape import find_shape
 from tautwire.assessment.design.checks import DesignCheck, design_checks
 from tautwire.assessment.design.lateral import known_gauge

@@ -9,7 +9,7 @@ from tautwire.catalogue.entries import copy_case, list_entries, read_entry
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import heading, table
 from tautwire.errors import InputError
-from tautwire.inputs.case_book import write_workbook
+from tautwire.inputs.book.case_book import write_workbook
 from tautwire.inputs.load import load_case
 from tautwire.text import as_name
 

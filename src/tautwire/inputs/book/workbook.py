@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.errors import InputError
+from tautwire.inputs.book.said import said_values
 from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.own_line import Choice, Wish, as_data, presag_of, template
 from tautwire.inputs.own_line import dropper_positions as usual_positions
@@ -14,7 +15,6 @@ from tautwire.inputs.paths import format_path, value_at
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import read_case_text
 from tautwire.inputs.reading.tables import line_tables, open_sheets
-from tautwire.inputs.said import said_values
 from tautwire.tables.columns import BOOK_KINDS
 from tautwire.tables.line import LineTables
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
@@ -164,12 +164,7 @@ def _kept_sources(
     sources: list[dict[str, Any]], choices: tuple[Choice, ...], given: dict[str, Any]
 ) -> list[dict[str, Any]]:
     """Drop the template's sources of what the tables say."""
-    replaced = {
-        format_path(path)
-        for path in paths_of(
-            {part: values for part, values in given.items() if isinstance(values, (dict, list))}
-        )
-    }
+    replaced = {format_path(path) for path in paths_of(given)}
     replaced |= {
         f"wires.{name}.{key}" for name, wire in given.get("wires", {}).items() for key in wire
     }

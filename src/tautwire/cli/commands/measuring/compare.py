@@ -12,7 +12,7 @@ from tautwire.assessment.coverage import covered
 from tautwire.assessment.geometry import GeometryRow, compare_geometry
 from tautwire.assessment.limits import load_limits
 from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
-from tautwire.cli.commands.measured import RecordingRequest, quantity
+from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
 from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.json_text import to_json
@@ -21,7 +21,7 @@ from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile
+from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.recordings.comparison import (
     HEADS,

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tautwire.analyses.survey.rank import LEAST, Ranking, rank
-from tautwire.cli.commands.measured import quantity
+from tautwire.cli.commands.measuring.measured import quantity
 from tautwire.cli.folders import Files, prepared_folder
 from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer, OutputError

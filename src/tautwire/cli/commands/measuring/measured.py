@@ -15,7 +15,7 @@ from tautwire.cli.views.measured_view import evaluation_view
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile, open_recording
+from tautwire.inputs.reading.recording import RecordingFile, open_recording
 from tautwire.measured.evaluation import Evaluation, Treatment, evaluate
 from tautwire.text import csv_text
 from tautwire.units import UnitError, parse_quantity
