@@ -117,7 +117,8 @@ def test_every_input_is_listed_with_its_unit() -> None:
 
     parts = case.to_dict()
     assert values.pop("track") == "straight and level"
-    assert len(values) == sum(leaves(parts[name]) for name in GROUPS if name != "track")
+    told = [name for name in GROUPS if name != "track" and parts[name] != []]
+    assert len(values) == sum(leaves(parts[name]) for name in told)
 
 
 def test_track_is_listed_as_it_is_given() -> None:
