@@ -54,6 +54,7 @@ def test_folder_of_another_run_is_refused(invoke: Invoke) -> None:
     written = {
         "static.nc",
         "static.json",
+        "line.xlsx",
         "droppers.csv",
         "elasticity.csv",
         "supports.csv",
