@@ -12,7 +12,7 @@ from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.validity import judged
 from tautwire.assessment.checks import Criteria
-from tautwire.assessment.limits import known_system, load_limits
+from tautwire.assessment.limits import known_system, limits_of, load_limits
 from tautwire.cli.about import computation, program
 from tautwire.cli.folders import Files, default_folder, result_folder
 from tautwire.cli.interrupts import Interrupts
@@ -77,6 +77,8 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         require_pdf()
     announce_workbook(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
+    if request.criteria.limits is None:
+        limits_of(case)  # faults are told before the passage, not after it
     interrupts = Interrupts()
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:
@@ -140,7 +142,7 @@ def criteria_of(system: str, free_uplift: str | None, file: Path | None = None) 
     system, free_uplift
         Supply system; free space for uplift with its unit, or None.
     file
-        Own limits; None for those of the package.
+        Own limits; None for those of the case, or of the package.
 
     Raises
     ------

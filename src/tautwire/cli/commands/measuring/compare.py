@@ -99,7 +99,8 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     """Compare stored runs with recordings, show the tables and write the files asked for."""
     offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST)
     search = quantity("--search", request.search, "m", 0.0, FARTHEST)
-    treatment, limits = request.reading.treatment(), load_limits(request.limits)
+    treatment = request.reading.treatment()
+    limits = None if request.limits is None else load_limits(request.limits)
     pairs = request.pairs()
     runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
