@@ -41,8 +41,8 @@ def case_sheets(case: Case) -> dict[str, list[Row]]:
         data["line"].pop(key)
     for key in _told_by_supports(case):
         data["supports"].pop(key)
-    for wire in data["wires"].values():
-        for key in _WIRES if wire is not None else ():
+    for wire in filter(None, data["wires"].values()):
+        for key in _WIRES:
             wire.pop(key)
     for one in data["droppers"] if isinstance(data["droppers"], list) else [data["droppers"]]:
         for key in _DROPPERS:
