@@ -73,7 +73,8 @@ LimitsOption = Annotated[
     typer.Option(
         "--limits",
         metavar="FILE",
-        help='Own limits, a file begun with "tautwire limits --copy".',
+        help='Own limits, a file begun with "tautwire limits --copy"; in place of those that the '
+        "case names.",
         show_default=False,
     ),
 ]

@@ -25,7 +25,7 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
-from tautwire.inputs.project import with_image
+from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.reading.reach import Reach
@@ -50,6 +50,8 @@ MAX_CHAIN = 8
 Sources = list[Any]
 _OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
+_KEEPERS = {(): with_limits, ("project",): with_image}
+"""By the place of a mapping: what takes the content of other files into it."""
 TABLE = "table"
 """Key of a mapping whose columns stand in a CSV file."""
 
@@ -274,9 +276,8 @@ class _Composer:
             if not at:
                 base = self._inherited(base, reference, document)
         own = self._with_columns(own, at, document)
-        if at == ("project",):
-            folder = document.folder or Path()
-            own, problems = with_image(own, folder, self._reach, document.label)
+        if keep := _KEEPERS.get(at):
+            own, problems = keep(own, document.folder or Path(), self._reach, document.label)
             self.result.problems += problems
         used = self._used(own, at, document)
         values: dict[str, Any] = {}

@@ -28,8 +28,10 @@ from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
 from tautwire.text import Told
 
-UNHASHED = ("project",)
+UNHASHED = ("project", "limits")
 """Keys that change no number of a result and are left out of its hash."""
+MOST_LIMITS = 200_000
+"""Letters of a file of limits, which stands in every result: that of the package has 15 kB."""
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
 
@@ -67,6 +69,12 @@ class Case(Told, Spec):
     project: Project = Field(
         default=Project(),
         description="The project block of every page: client, revision, who checked it, logo.",
+    )
+    limits: Annotated[str, Field(max_length=MOST_LIMITS), Typical("our-limits.yaml")] = Field(
+        default="",
+        description="File of your own limits, begun with 'tautwire limits --copy', seen from the "
+        "file that names it; what it says is kept in the results. Those of the package if left "
+        "out.",
     )
     track: TrackInput = Field(
         default=Track(),

@@ -36,6 +36,12 @@ from tautwire.results.accuracy import error_of
 from tautwire.results.statistics import FilteredStatistics, PantographStatistics
 from tautwire.text import marked
 
+_KNOWN = {
+    "seen": "a document that was read",
+    "secondary source": "documents that quote the standard",
+    "memory": "memory, without a document",
+}
+"""Confidence of a limit in words."""
 BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
 
 
@@ -60,6 +66,8 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     blocks += [Text(_filter_statement(shown), "note"), Heading("Limits")]
     blocks.append(Text(_verdict_statement(found), "plain"))
     blocks.append(_check_table(views, found))
+    notes = _limit_notes(found)
+    blocks += [Text(notes, "note")] if notes else []
     compared = [b for v in views for b in published.force_blocks(v, named=len(views) > 1)]
     blocks += [Heading("Published results"), *compared] if compared else []
     return Section("summary", "Summary", tuple(blocks))
@@ -255,26 +263,26 @@ def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
     if not every:
         return "No limit applies to this speed and supply system."
     unverified = [check for check in every if not check.verified]
-    failed = [check.name for check in every if check.passed is False]
+    failed = list(dict.fromkeys(check.name for check in every if check.passed is False))
     outside = list(dict.fromkeys(c.name for c in unverified if c.within is False))
     parts = []
     if failed:
-        parts.append(f"Not passed: {listing(list(dict.fromkeys(failed)))}.")
+        parts.append(f"Not within: {listing(failed)}.")
     if len(unverified) == len(every):
         parts.append(
-            "None of the limits below has been compared with the text of its standard, so no "
-            "verdict is given."
+            "None of the limits below was checked against the text of its standard, so no verdict "
+            "is given."
         )
     elif unverified:
         parts.append(
-            f"Of {len(every)} limits, {len(unverified)} could not be compared with the text of "
-            "the standard; there no verdict is given."
+            f"Of {len(every)} limits, {len(unverified)} were not checked against the text of the "
+            "standard; there no verdict is given."
         )
     if any(check.within is not None for check in unverified):
         parts.append(
-            f"As remembered, outside: {listing(outside)}."
+            f"Beside the limits that were not checked, not within: {listing(outside)}."
             if outside
-            else "As remembered, every value lies within."
+            else "Beside the limits that were not checked, every value lies within."
         )
     known = dict.fromkeys(f"{check.name[:1].upper()}{check.name[1:]}: {check.explanation}."
                           for check in every if check.explanation)  # fmt: skip
@@ -295,27 +303,36 @@ def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> 
                     marked(readable(check.value, check.unit), is_carried=check.is_carried),
                     f"{sign} {readable(check.limit, check.unit)}",
                     _standard(check),
-                    check.confidence,
                     _within(check),
-                    Verdict(check.verdict, check.verdict.replace("no value", "unverified")),
+                    Verdict(check.words, check.verdict.replace("no value", "unverified")),
                 )
             )
     return Table(
-        caption="Limits. A limit that nobody has compared with the standard's text is "
-        "“unverified”, whether the value lies within it or not. Forces are those of the headline "
-        "filter.",
-        head=("criterion", "value", "limit", "standard", "known from", "as remembered", "verdict"),
-        align="lrrllll",
+        caption="Limits. No verdict is given beside a limit that nobody has checked against the "
+        "text of its standard, whether the value lies within it or not. Forces are those of the "
+        "headline filter.",
+        head=("criterion", "value", "limit", "standard", "value is", "verdict"),
+        align="lrrlll",
         rows=tuple(rows),
+    )
+
+
+def _limit_notes(found: Sequence[Sequence[Check]]) -> str:
+    """Say where the limits that nobody checked are known from."""
+    known: dict[str, list[str]] = {}
+    for check in (check for row in found for check in row if not check.verified):
+        known.setdefault(_KNOWN.get(check.confidence, check.confidence), []).append(check.name)
+    return " ".join(
+        f"Limits known from {how}: {'; '.join(dict.fromkeys(names))}."
+        for how, names in known.items()
     )
 
 
 def _standard(check: Check) -> str:
     edition = f"{check.standard}:{check.edition}" if check.edition else check.standard
-    return f"{edition}, {check.clause}" if check.clause else edition
+    text = f"{edition}, {check.clause}" if check.clause else edition
+    return f"{text}; checked by {check.checked_by}, {check.checked_on}" if check.verified else text
 
 
 def _within(check: Check) -> str:
-    if check.within is None:
-        return number(None)
-    return "within" if check.within else "outside"
+    return {None: MISSING, True: "within", False: "not within"}[check.within]
