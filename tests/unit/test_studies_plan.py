@@ -74,7 +74,7 @@ def test_every_defect_is_an_axis(
     assert len(cases) == 2
     told = [str(one.conditions[0].defects[0]) for one in cases]
     assert told[0] != told[1]
-    assert all(len(expand(one).runs) == 2 for one in cases)
+    assert all(len(expand(one).runs) >= 2 for one in cases)
 
 
 def test_zip_moves_axes_together() -> None:
