@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.load import load_case
-    from tautwire.inputs.recording import load_recording
-    from tautwire.inputs.survey import load_survey
+    from tautwire.inputs.reading.recording import load_recording
+    from tautwire.inputs.reading.survey import load_survey
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
@@ -125,10 +125,10 @@ _HOMES = {
     "layout_plan": "tautwire.report.layout_plan.plan",
     "load_case": "tautwire.inputs.load",
     "load_equilibrium": "tautwire.results.storage",
-    "load_recording": "tautwire.inputs.recording",
+    "load_recording": "tautwire.inputs.reading.recording",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
-    "load_survey": "tautwire.inputs.survey",
+    "load_survey": "tautwire.inputs.reading.survey",
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
     "rank": "tautwire.analyses.survey.rank",

@@ -12,7 +12,7 @@ import pytest
 
 import tautwire as tw
 from tautwire.errors import InputError
-from tautwire.inputs.recording import open_recording
+from tautwire.inputs.reading.recording import open_recording
 from tautwire.measured.evaluation import Treatment, evaluate
 from tautwire.measured.recording import Recording
 

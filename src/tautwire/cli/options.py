@@ -73,7 +73,8 @@ LimitsOption = Annotated[
     typer.Option(
         "--limits",
         metavar="FILE",
-        help='Own limits, a file begun with "tautwire limits --copy".',
+        help='Own limits, a file begun with "tautwire limits --copy"; in place of those that the '
+        "case names.",
         show_default=False,
     ),
 ]
@@ -96,8 +97,8 @@ FreeUpliftOption = Annotated[
     typer.Option(
         "--free-uplift",
         metavar="LENGTH",
-        help='Free space for uplift at the supports, as in "120 mm"; without it the uplift is '
-        "not checked.",
+        help='Free space for uplift at the supports, as in "120 mm", in place of what the case '
+        "says (requirements.uplift_space, or the gap of its uplift stops).",
         show_default=False,
     ),
 ]

@@ -25,7 +25,7 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
-from tautwire.inputs.project import with_image
+from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.reading.reach import Reach
@@ -39,7 +39,7 @@ from tautwire.inputs.reading.tables import (
 from tautwire.specs.base import Spec
 from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.tables.columns import KINDS, Field, named_field
-from tautwire.tables.line import SECTIONS
+from tautwire.tables.line import SECTIONS, LineTables
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -50,6 +50,8 @@ MAX_CHAIN = 8
 Sources = list[Any]
 _OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
+_KEEPERS = {(): with_limits, ("project",): with_image}
+"""By the place of a mapping: what takes the content of other files into it."""
 TABLE = "table"
 """Key of a mapping whose columns stand in a CSV file."""
 
@@ -274,9 +276,8 @@ class _Composer:
             if not at:
                 base = self._inherited(base, reference, document)
         own = self._with_columns(own, at, document)
-        if at == ("project",):
-            folder = document.folder or Path()
-            own, problems = with_image(own, folder, self._reach, document.label)
+        if keep := _KEEPERS.get(at):
+            own, problems = keep(own, document.folder or Path(), self._reach, document.label)
             self.result.problems += problems
         used = self._used(own, at, document)
         values: dict[str, Any] = {}
@@ -369,13 +370,12 @@ class _Composer:
             self._miss(error, files)
             return {}, []
         file_of = {section: files[kind] for kind in files for section in SECTIONS[kind]}
-        self.result.problems += _given_twice(found.values, own, file_of, document.label)
+        self.result.problems += _given_twice(found, own, file_of, document.label)
         self.result.cells |= cells_by_list(found.origins)
         sources: Sources = [
-            {"path": f"{section}.{key}", "source": f"Table {file_of[section]}",
+            {"path": path, "source": f"Table {file_of[path.partition('.')[0]]}",
              "confidence": "one source"}
-            for section, values in found.values.items()
-            for key in values
+            for path, _ in found.told()
         ]  # fmt: skip
         return found.values, sources
 
@@ -432,18 +432,17 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
 
 
 def _given_twice(
-    table: Mapping[str, Any], own: Mapping[str, Any], files: Mapping[str, str], label: str
+    table: LineTables, own: Mapping[str, Any], files: Mapping[str, str], label: str
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
-    for section, values in table.items():
-        for key, value in values.items():
-            given = value_at(own, (section, key))
-            if given is not None and given != value:
-                problems.append(
-                    f"{label}: {section}.{key}: is given here and in the table "
-                    f"{files[section]}; keep one"
-                )
+    for path, value in table.told():
+        steps = tuple(path.split("."))
+        given = value_at(own, steps)
+        if given is not None and given != value:
+            problems.append(
+                f"{label}: {path}: is given here and in the table {files[steps[0]]}; keep one"
+            )
     return problems
 
 

@@ -16,7 +16,7 @@ from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
-from tautwire.inputs.project import with_image
+from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import cells_by_list
@@ -106,6 +106,8 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
     if isinstance(data.get("project"), Mapping):  # an image that was set for this run
         data["project"], faults = with_image(data["project"], Path(), Reach.of(Path()), "--set")
         problems += faults
+    data, faults = with_limits(data, Path(), Reach.of(Path()), "--set")
+    problems += faults
     problems += _unknown_sources(data)
     _state_defaults(data)
     case = None

@@ -97,16 +97,14 @@ def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
         if droppers.get("mode") != "length":
             droppers["presag"] = _presag(wish, lengths, droppers["positions"])
     data = as_data(choices)
-    sources = _kept_sources(data.pop("sources"), choices, tables.values)
+    sources = _kept_sources(data.pop("sources"), choices, tables)
     merged = merge(_without_use(data, tables.values), tables.values)
     if tables.values.get("droppers", {}).get("mode") == "length":
         merged["droppers"].pop("presag", None)
     named = [
-        {"path": f"{part}.{key}", "source": f"Table {workbook.path.name}", "confidence":
-         "one source"}
-        for part, values in tables.values.items()
-        for key in values
-        if key != "mode"
+        {"path": path, "source": f"Table {workbook.path.name}", "confidence": "one source"}
+        for path, _ in tables.told()
+        if path != "droppers.mode"
     ]  # fmt: skip
     return {**merged, "sources": [*sources, *named]}, tables
 
@@ -125,10 +123,11 @@ def _without_use(data: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _kept_sources(
-    sources: list[dict[str, Any]], choices: tuple[Choice, ...], given: dict[str, Any]
+    sources: list[dict[str, Any]], choices: tuple[Choice, ...], tables: LineTables
 ) -> list[dict[str, Any]]:
     """Drop the template's sources of what the tables say."""
-    replaced = {f"{part}.{key}" for part, values in given.items() for key in values}
+    given = tables.values
+    replaced = {path for path, _ in tables.told()}
     replaced |= {
         f"wires.{name}.{key}" for name, wire in given.get("wires", {}).items() for key in wire
     }

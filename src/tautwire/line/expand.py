@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
+from tautwire.line.bodies import with_bodies
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks, misplaced
 from tautwire.line.labels import HangerLabel, MastLabel
@@ -56,7 +57,7 @@ def expand(case: Case) -> Line:
     Raises
     ------
     InputError
-        When defects are where nothing is; all are named.
+        When defects are where nothing is, or bodies have no place; all are named.
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
@@ -79,7 +80,9 @@ def expand(case: Case) -> Line:
         joints=tuple(joints),
         marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
-    if problems := misplaced(line, case.conditions):
+    line, problems = with_bodies(line, case.bodies)
+    problems += misplaced(line, case.conditions)
+    if problems:
         raise InputError(problems)
     return line
 

@@ -210,6 +210,34 @@ class Suspension:
 
 
 @dataclass(frozen=True)
+class Body:
+    """A splice or an insulator in the line of a wire.
+
+    Attributes
+    ----------
+    name : str
+    run : str
+    start, end : float m
+        Equal for a mass alone.
+    mass : float kg/m
+        Per unstrained length, between its ends.
+    end_mass : float kg
+        At each end.
+    axial, bending : float N, N m2
+        EA and EI between its ends.
+    """
+
+    name: str
+    run: str
+    start: float
+    end: float
+    mass: float
+    end_mass: float
+    axial: float
+    bending: float
+
+
+@dataclass(frozen=True)
 class Line:
     """A line piece by piece; every group from left to right.
 
@@ -217,7 +245,7 @@ class Line:
     ----------
     track : Track
     masts : tuple of float m
-    runs, hangers, joints, registrations, suspensions : tuples of pieces
+    runs, hangers, joints, registrations, suspensions, bodies : tuples of pieces
     marks : tuple of At
         Other places at which a wire needs a node.
     """
@@ -229,6 +257,7 @@ class Line:
     registrations: tuple[Registration, ...]
     suspensions: tuple[Suspension, ...]
     joints: tuple[Joint, ...] = ()
+    bodies: tuple[Body, ...] = ()
     marks: tuple[At, ...] = ()
 
     @cached_property
@@ -270,6 +299,12 @@ class Line:
                 points[at.run].append(at.s)
         return {name: sorted(set(values)) for name, values in points.items()}
 
+    def holding_points(self, run: Run) -> list[float]:
+        """Return where a contact wire is held: its ends, registrations and hangers above."""
+        pieces = [piece.at for piece in self.registrations]
+        pieces += [hanger.lower for hanger in self.hangers]
+        return [run.start.s, run.end.s, *(at.s for at in pieces if at.run == run.name)]
+
     def points(self, run: str) -> list[float]:
         """Return where something is attached to a run, its ends included, from left to right."""
         return self._points[run]
@@ -283,3 +318,5 @@ def _places(line: Line) -> Iterable[At]:
         yield from (joint.host, joint.other)
     for piece in (*line.registrations, *line.suspensions):
         yield piece.at
+    for body in line.bodies:
+        yield from (At(body.run, body.start), At(body.run, body.end))

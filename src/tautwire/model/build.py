@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.bodies import lumps, sections
 from tautwire.line.expand import expand
 from tautwire.line.pieces import GivenHeight, Line, Run
 from tautwire.model.guess import Guess, guess_shape
@@ -108,7 +109,7 @@ def build(case: Case) -> Model:
 
 
 def _lumped_masses(line: Line, mesh: Mesh) -> Array:
-    """Return the masses of clamps and springs, ``(n_node,)`` [kg]."""
+    """Return the masses of clamps, springs and bodies, ``(n_node,)`` [kg]."""
     mass = np.zeros(mesh.node_count)
     for hanger in line.hangers:
         mass[mesh.node(hanger.upper)] += hanger.clamps[0]
@@ -117,6 +118,8 @@ def _lumped_masses(line: Line, mesh: Mesh) -> Array:
         mass[mesh.node(joint.host)] += joint.clamp
     for piece in line.registrations:
         mass[mesh.node(piece.at)] += piece.clamp + piece.kind.mass
+    for at, lump in lumps(line):
+        mass[mesh.node(at)] += lump
     return mass
 
 
@@ -176,15 +179,15 @@ def _cables(line: Line, mesh: Mesh, guess: Guess) -> Cables:
     """Return all wire elements, strand by strand, at guessed unstrained lengths."""
     parts = []
     for strand in mesh.strands:
-        wire, count = strand.run.wire, len(strand.cables)
+        made = sections(line, strand.run, strand.s)
         chord = np.linalg.norm(np.diff(_points(line, mesh, strand, guess), axis=0), axis=1)
         parts.append(
             Cables(
                 np.stack([strand.nodes[:-1], strand.nodes[1:]], axis=1),
-                chord / _stretch(strand.run),
-                axial=np.full(count, wire.axial_stiffness),
-                bending=np.full(count, wire.bending_stiffness),
-                mass=np.full(count, wire.mass),
+                chord / (1.0 + strand.run.wire.tension / made.axial),
+                axial=made.axial,
+                bending=made.bending,
+                mass=made.mass,
             )
         )
     return Cables.none().joined(*parts)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.alignment import alignment
+from tautwire.line.bodies import total_mass
 from tautwire.line.expand import expand
 from tautwire.model.preflight import Advice
 from tautwire.results.equilibrium import Equilibrium
@@ -22,6 +23,10 @@ from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.wire import Wire
 
 Array = NDArray[np.float64]
+
+DIP = 0.01
+"""Depth to which a body may bend the contact wire between droppers [m] before it is told: chosen,
+half of a usual pre-sag; sagging joints wear strips and wire."""
 
 COPPER = 8900.0
 """Density of copper and its alloys [kg/m3], of which contact wires and most ropes are made."""
@@ -89,7 +94,7 @@ def implausible_inputs(case: Case) -> tuple[Advice, ...]:
         Warnings; empty for a usual line.
     """
     found = [advice for name, wire in case.wires.named() for advice in _wire(name, wire)]
-    return (*found, *_staggers(case), *_rounded_presag(case))
+    return (*found, *_staggers(case), *_rounded_presag(case), *_bodies(case))
 
 
 def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
@@ -164,6 +169,36 @@ def _staggers(case: Case) -> Iterator[Advice]:
                 "alternate the signs of supports.contact_stagger, or give one value",
             )
         first += count
+
+
+def _bodies(case: Case) -> Iterator[Advice]:
+    """Tell that a body bends a contact wire between the places that hold it.
+
+    A string under the tension T sags by ``P a b/(T (a + b))`` under the force P at distances a and
+    b from where it is held; P is what a body weighs more than the wire in its place.
+    """
+    if not case.bodies:
+        return
+    line = expand(case)
+    for body in line.bodies:
+        run = line.by_name[body.run]
+        if run.role != "contact":
+            continue
+        held = line.holding_points(run)
+        left = max((s for s in held if s <= body.start), default=run.start.s)
+        right = min((s for s in held if s >= body.end), default=run.end.s)
+        a, b = (0.5 * (body.start + body.end) - end for end in (left, right))
+        wire = run.wire.mass * (body.end - body.start)
+        force = (total_mass(line, body) - wire) * case.line.gravity
+        dip = -force * a * b / (run.wire.tension * (a - b)) if a > b else 0.0
+        if dip > DIP:
+            yield _warning(
+                "body",
+                f"{body.name!r} in {body.run!r} at {body.start:.2f} m pulls the contact wire down "
+                f"by {1e3 * dip:.0f} mm between the droppers or supports beside it, {-b:.1f} m and "
+                f"{a:.1f} m away (usual: at most {1e3 * DIP:g} mm)",
+                "hang it on droppers at its ends, or check its mass (bodies)",
+            )
 
 
 def _rounded_presag(case: Case) -> Iterator[Advice]:

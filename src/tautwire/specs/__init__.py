@@ -1,6 +1,7 @@
 """What exists and what is chosen: frozen, validated descriptions in SI units."""
 
 from tautwire.specs.case import Case, Source
+from tautwire.specs.line.body import Body
 from tautwire.specs.line.catenary import Damping, Ends, Line
 from tautwire.specs.line.dropper import Droppers, DropperStiffness
 from tautwire.specs.line.irregularity import Installation, Irregularities, Unevenness
@@ -14,6 +15,7 @@ from tautwire.specs.step_control import StepControl
 
 __all__ = [
     "Arm",
+    "Body",
     "Case",
     "Damping",
     "DropperStiffness",

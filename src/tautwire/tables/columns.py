@@ -11,7 +11,7 @@ from typing import Any
 from tautwire.specs.schema.vocabulary import folded, words_for
 
 TEXT, COUNT, DEGREES, ANY = "text", "#", "deg", "any"
-KINDS = ("supports", "droppers", "wires")
+KINDS = ("supports", "droppers", "wires", "bodies")
 """Tables of a line."""
 RECORDING = "recording"
 

@@ -1,8 +1,8 @@
-"""Mapped sheets as parts of a case: spans, supports, droppers, wires, names and chainage."""
+"""Mapped sheets as parts of a case: spans, supports, droppers, wires, bodies, names, chainage."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -16,7 +16,12 @@ from tautwire.tables.values import ratio_of
 Path = tuple[str | int, ...]
 APART = 0.1
 """Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
-SECTIONS = {"supports": ("line", "supports"), "droppers": ("droppers",), "wires": ("wires",)}
+SECTIONS = {
+    "supports": ("line", "supports"),
+    "droppers": ("droppers",),
+    "wires": ("wires",),
+    "bodies": ("bodies",),
+}
 """Parts of a case that a kind of table fills."""
 
 
@@ -38,6 +43,14 @@ class LineTables:
     origins: dict[Path, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
+    def told(self) -> Iterator[tuple[str, Any]]:
+        """Yield dotted paths of what the sheets say, and the values; a list is one value."""
+        for section, values in self.values.items():
+            if isinstance(values, dict):
+                yield from ((f"{section}.{key}", value) for key, value in values.items())
+            else:
+                yield section, values
+
 
 def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
     """Read the sheets of one line.
@@ -48,7 +61,7 @@ def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
         Naming every cell that cannot be used.
     """
     result, problems = LineTables(), []
-    order = {"supports": 0, "wires": 1, "droppers": 2}
+    order = {"supports": 0, "wires": 1, "droppers": 2, "bodies": 3}
     for mapping in sorted(mappings, key=lambda one: order[one.kind]):
         rows = Rows(mapping)
         try:
@@ -261,4 +274,24 @@ def _wires(rows: Rows, result: LineTables) -> None:
     result.values["wires"] = wires
 
 
-_READERS = {"supports": _supports, "droppers": _droppers, "wires": _wires}
+def _bodies(rows: Rows, result: LineTables) -> None:
+    places = rows.full("position")
+    if places is None:
+        raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
+    columns: dict[str, Sequence[Any]] = {"span": _span_of_rows(rows, result), "at": places}
+    for key, name in (("name", "body"), ("wire", "wire"), ("tension_length", "tension_length")):
+        columns[key] = rows.texts(name) or ()
+    for name in ("length", "mass", "end_mass", "axial_stiffness", "bending_stiffness"):
+        columns[name] = rows.numbers(name) or ()
+    bodies = [
+        {key: values[index] for key, values in columns.items() if values}
+        for index in range(len(places))
+    ]
+    result.values["bodies"] = [
+        {key: value for key, value in body.items() if value is not None} for body in bodies
+    ]
+    for index in range(len(places)):
+        result.origins["bodies", index] = rows.place(index, "position")
+
+
+_READERS = {"supports": _supports, "droppers": _droppers, "wires": _wires, "bodies": _bodies}

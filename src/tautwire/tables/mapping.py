@@ -36,6 +36,7 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
     "droppers": (("position",),),
     "wires": (("wire",), ("use", "tension", "mass")),
+    "bodies": (("body",), ("wire",), ("position",)),
     RECORDING: (
         ("time", "position", "odometer"),
         ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
@@ -67,7 +68,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers``, ``wires`` or ``recording``.
+        ``supports``, ``droppers``, ``wires``, ``bodies`` or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use

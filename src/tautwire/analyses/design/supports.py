@@ -17,7 +17,7 @@ from tautwire.model.registrations import registrations_at_rest
 from tautwire.numerics.network.parts import Grounds, Stays
 from tautwire.numerics.network.system import internal_force
 from tautwire.plain import Plain, named
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]

@@ -92,7 +92,7 @@ def measured(
     the next file with these columns.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.measured import RecordingRequest, show_recording
+        from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
             file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
@@ -151,8 +151,8 @@ def compare(
     One run is compared with every recording, one recording with every run, or both in pairs.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.compare import ComparisonRequest, compare_runs
-        from tautwire.cli.commands.measured import RecordingRequest
+        from tautwire.cli.commands.measuring.compare import ComparisonRequest, compare_runs
+        from tautwire.cli.commands.measuring.measured import RecordingRequest
 
         reading = RecordingRequest(
             Path(), mapping, speed, tuple(strip_mass or ()), filtered
@@ -208,7 +208,7 @@ def as_built(
 ) -> None:  # fmt: skip
     """Estimate the line as built from a survey: dropper lengths, heights, droppers misplaced."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.as_built import SurveyRequest, show_as_built
+        from tautwire.cli.commands.measuring.as_built import SurveyRequest, show_as_built
 
         request = SurveyRequest(case, survey, set_ or [], accuracy, scatter, support_scatter)
         show_as_built(answer, request, out)
@@ -241,6 +241,6 @@ def rank(
 ) -> None:  # fmt: skip
     """Rank corrections of a line as built by what they do to the contact force."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.rank import RankRequest, show_ranking
+        from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
         show_ranking(answer, RankRequest(case, built, set_ or [], least), out)

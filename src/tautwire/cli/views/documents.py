@@ -12,6 +12,7 @@ import numpy as np
 
 from tautwire.assessment.checks import Check
 from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.report.parts.body_words import bodies_of, body_heights
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
@@ -118,6 +119,16 @@ def shape_part(case: Case, shape: Equilibrium) -> dict[str, Any]:
         "iterations": shape.iterations,
         "residual_n": shape.residual,
         "weight_n": shape.weight,
+        "bodies": [
+            {
+                "name": body.name,
+                "wire": body.run,
+                "start_m": body.start,
+                "end_m": body.end,
+                "heights_m": list(body_heights(shape, body)),
+            }
+            for body in bodies_of(case)
+        ],
         "reaction_n": shape.reaction,
         "dropper_positions_m": by_span(shape.dropper_x),
         "dropper_lengths_unstrained_m": by_span(shape.dropper_lengths_unstrained),

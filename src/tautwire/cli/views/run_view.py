@@ -173,18 +173,18 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
     for check in checks:
         name = f"{check.name}, {check.pantograph}" if many and check.pantograph else check.name
         sign = "≤" if check.sense == "maximum" else "≥"
-        remembered = {True: "within", False: "outside", None: MISSING}[check.within]
+        found = {True: "within", False: "not within", None: MISSING}[check.within]
         rows.append(
             (
                 name,
                 marked(readable(check.value, check.unit), is_carried=check.is_carried),
                 f"{sign} {readable(check.limit, check.unit)}",
                 check.standard,
-                remembered,
+                found,
                 check.verdict,
             )
         )
-    heads = ("", "value", "limit", "standard", "as known", "verdict")
+    heads = ("", "value", "limit", "standard", "value is", "verdict")
     return table(heads, "Lrrlll", rows)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from tautwire.cli.views.conditions_view import condition_facts
 from tautwire.cli.views.tables import facts, heading, table
+from tautwire.report.parts.body_words import BODY_HEAD, body_rows
 from tautwire.report.parts.words import number, quantity
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.specs.case import Case
@@ -27,7 +28,14 @@ def static_view(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -
         _span_table(shape, elasticity, span),
         heading("Line", "support: at the beginning of the span"),
         _line_table(case, shape),
+        *_bodies(case, shape),
     ]
+
+
+def _bodies(case: Case, shape: Equilibrium) -> list[Any]:
+    """Return the bodies in the line of wires, if there are any."""
+    rows = body_rows(case, shape)
+    return [heading("Bodies", "at rest"), table(BODY_HEAD, "llrrrrr", rows)] if rows else []
 
 
 def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -> Any:

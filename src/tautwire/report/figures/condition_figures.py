@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.report.figures import style
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
 
 if TYPE_CHECKING:

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.pieces import Body
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
+from tautwire.report.parts.body_words import bodies_of, body_heights
 from tautwire.report.parts.views import RunView
 from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
 from tautwire.results.run import Run
@@ -31,7 +33,7 @@ def line_figure(view: RunView) -> go.Figure:
         rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
     )
     shape, marks = view.run.equilibrium, view.run.case.line.support_marks()
-    _add_side_view(figure, shape)
+    _add_side_view(figure, shape, bodies_of(view.run.case))
     _add_sag(figure, shape)
     _add_plan(figure, shape)
     figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
@@ -58,7 +60,7 @@ def _opening(view: RunView) -> list[float]:
     return [float(x[first - 1] - margin), float(x[last] + margin)]
 
 
-def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_side_view(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]) -> None:
     top = _dropper_tops(shape)
     _add_segments(
         figure, (shape.dropper_x, top), (shape.dropper_x, shape.dropper_heights), "droppers", 1
@@ -84,6 +86,24 @@ def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
         "%{customdata[2]:.1f} N<br>%{customdata[3]:.4f} m unstrained<br>"
         "%{customdata[4]:.4f} m stretched<extra></extra>",
         showlegend=False,
+        row=1,
+        col=1,
+    )
+    _add_bodies(figure, shape, bodies)
+
+
+def _add_bodies(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]) -> None:
+    if not bodies:
+        return
+    ends = [body_heights(shape, body) for body in bodies]
+    figure.add_scatter(
+        x=[0.5 * (body.start + body.end) for body in bodies],
+        y=[0.5 * (left + right) for left, right in ends],
+        mode="markers",
+        marker={"size": 9, "symbol": "square", "color": style.SLACK},
+        name="bodies",
+        text=[f"{body.name} in {body.run}" for body in bodies],
+        hovertemplate="%{text}, x = %{x:.2f} m<extra></extra>",
         row=1,
         col=1,
     )

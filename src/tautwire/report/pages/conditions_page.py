@@ -37,7 +37,7 @@ from tautwire.report.parts.design.mast_words import (
 from tautwire.report.parts.sections import chart
 from tautwire.report.writers.html import render
 from tautwire.report.writers.project import project_block
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.specs.case import Case
 from tautwire.version import __version__
 

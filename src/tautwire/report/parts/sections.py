@@ -22,6 +22,7 @@ from tautwire.report.parts.blocks import (
     Table,
     Text,
 )
+from tautwire.report.parts.body_words import BODY_HEAD, body_rows
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
@@ -74,6 +75,8 @@ def line_section(views: Sequence[RunView]) -> Section:
         blocks.append(
             Details("Steady arms: forces and inclination", (_arm_table(view.run.case.line, shape),))
         )
+    if rows := body_rows(view.run.case, shape):
+        blocks.append(Details("Bodies in the line of wires", (_body_table(rows),)))
     blocks += _irregularity_blocks(views)
     blocks.append(
         Text(
@@ -166,6 +169,16 @@ def _arm_table(line: Line, shape: Equilibrium) -> Table:
         "Steady arms; tension is positive, the angle when the far end is above the wire.",
         ("support", "wire", "force [N]", "angle [°]"),
         "llrr",
+        tuple(rows[:MOST_ROWS]),
+    )
+
+
+def _body_table(rows: list[tuple[str, ...]]) -> Table:
+    return Table(
+        "Splices and insulators, with the mass that they have in place of the wire and at its "
+        "ends; heights at rest.",
+        tuple(head.replace("\n", " ") for head in BODY_HEAD),
+        "llrrrrr",
         tuple(rows[:MOST_ROWS]),
     )
 

@@ -12,16 +12,16 @@ from tautwire.assessment.coverage import covered
 from tautwire.assessment.geometry import GeometryRow, compare_geometry
 from tautwire.assessment.limits import load_limits
 from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
-from tautwire.cli.commands.measured import RecordingRequest, quantity
+from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile
+from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
@@ -99,7 +99,8 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     """Compare stored runs with recordings, show the tables and write the files asked for."""
     offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST)
     search = quantity("--search", request.search, "m", 0.0, FARTHEST)
-    treatment, limits = request.reading.treatment(), load_limits(request.limits)
+    treatment = request.reading.treatment()
+    limits = None if request.limits is None else load_limits(request.limits)
     pairs = request.pairs()
     runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
@@ -182,10 +183,7 @@ def _write_files(
             content = overlay_csv(compared)
             name = "forces.csv" if number == 1 else f"forces-{number}.csv"
             files.write(name, lambda path, content=content: write_text(path, content))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), facts(files.written.items()))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def overlay_csv(compared: MeasurementComparison) -> str:

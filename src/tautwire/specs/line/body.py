@@ -1,0 +1,105 @@
+"""Bodies on a wire: splices, insulators, section insulators."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
+from tautwire.specs.line.catenary import MOST_SPANS, Line
+from tautwire.specs.line.tension import TensionLength
+from tautwire.specs.line.wire import Wires
+
+_WITH_LENGTH = ("axial_stiffness", "bending_stiffness", "end_mass")
+"""What only a body with a length has."""
+
+
+class Body(Spec):
+    """A body in the line of a wire: a splice, an insulator, a section insulator.
+
+    With a length it stands in the place of that much of the wire, with its own mass and stiffness;
+    without one it is a mass on the wire. Heights, tensions and dropper data stay as they are given.
+    """
+
+    name: Annotated[str, Typical("section insulator")] = Field(
+        min_length=1, max_length=60, description="What it is, as results call it."
+    )
+    wire: Annotated[str, Typical("contact")] = Field(description="Name of the wire.")
+    tension_length: str | None = Field(
+        default=None, description="Name of the tension length where there are several."
+    )
+    span: Annotated[int, Field(ge=1, le=MOST_SPANS, strict=True), Typical("4")] = Field(
+        description="Number of the span."
+    )
+    at: Annotated[float, Quantity("m", ge=0.0, le=500.0, typical="20 m")] = Field(
+        description="Distance of its middle from the support on the left of the span."
+    )
+    length: Annotated[float, Quantity("m", ge=0.0, le=50.0, typical="0.3 to 2 m")] = Field(
+        default=0.0, description="Length along the track, under tension; 0 for a mass alone."
+    )
+    mass: Annotated[float, Quantity("kg", gt=0.0, le=1000.0, typical="0.5 to 20 kg")] | None = (
+        Field(
+            default=None,
+            description="With a length: mass in the place of the wire's, spread evenly; the wire's "
+            "own if left out. Without: mass on the wire, needed.",
+        )
+    )
+    end_mass: Annotated[float, Quantity("kg", ge=0.0, le=500.0, typical="0 to 2 kg")] = Field(
+        default=0.0, description="Mass of the clamp at each of its ends, besides."
+    )
+    axial_stiffness: Annotated[float, Quantity("N", gt=0.0, le=1e10, typical="10 MN")] | None = (
+        Field(default=None, description="Axial stiffness EA; the wire's own if left out.")
+    )
+    bending_stiffness: (
+        Annotated[float, Quantity("N m^2", ge=0.0, le=1e6, typical="200 to 5000 N m^2")] | None
+    ) = Field(default=None, description="Bending stiffness EI; the wire's own if left out.")
+
+    @model_validator(mode="after")
+    def _check_length(self) -> Body:
+        if self.length > 0.0:
+            return self
+        problems = [
+            Problem((name,), "belongs to a body with a length; give length too, or leave it out")
+            for name in _WITH_LENGTH
+            if getattr(self, name)
+        ]
+        if self.mass is None:
+            text = "is missing; a body without a length is nothing but its mass"
+            problems.append(Problem(("mass",), text))
+        refuse(problems)
+        return self
+
+
+def check_bodies(
+    line: Line,
+    wires: Wires,
+    tension_lengths: tuple[TensionLength, ...],
+    bodies: tuple[Body, ...],
+) -> list[Problem]:
+    """Check that bodies name spans, wires and tension lengths that exist."""
+    found = (
+        problem.under("bodies", index)
+        for index, body in enumerate(bodies)
+        for problem in _misplaced(line, dict(wires.named()), tension_lengths, body)
+    )
+    return list(found)
+
+
+def _misplaced(
+    line: Line, wires: dict[str, object], tension_lengths: tuple[TensionLength, ...], body: Body
+) -> list[Problem]:
+    problems, names = [], [one.name for one in tension_lengths]
+    if body.wire not in wires:
+        text = f"got {body.wire!r}; there are the wires {', '.join(wires)}"
+        problems.append(Problem(("wire",), text))
+    if body.span > line.spans:
+        problems.append(Problem(("span",), f"got {body.span}; the line has {line.spans} spans"))
+    elif body.at > (length := line.span_lengths()[body.span - 1]):
+        text = f"got {body.at:g} m, outside the span of {length:g} m"
+        problems.append(Problem(("at",), text))
+    if body.tension_length is not None and body.tension_length not in names:
+        listed = ", ".join(names) or "only one, without a name"
+        text = f"got {body.tension_length!r}; tension lengths: {listed}"
+        problems.append(Problem(("tension_length",), text))
+    return problems
