@@ -13,7 +13,7 @@ from tautwire.report.layout_plan.items import LAYERS, Drawing, Label
 from tautwire.text import printable
 
 if TYPE_CHECKING:
-    from ezdxf.layouts import Modelspace
+    from ezdxf.layouts.layout import Modelspace
 
 _METRES = 6
 """$INSUNITS of a drawing in metres (DXF reference)."""
@@ -52,10 +52,10 @@ def dxf_of(drawing: Drawing, scale: int) -> str:
         When the package is missing.
     """
     require_dxf()
-    import ezdxf
     from ezdxf.colors import RGB
+    from ezdxf.filemanagement import new
 
-    document = ezdxf.new("R2010", units=_METRES)
+    document = new("R2010", units=_METRES)
     document.header["$LTSCALE"] = 1.0
     metre = 1e-3 * scale
     for layer in LAYERS.values():

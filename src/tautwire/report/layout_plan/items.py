@@ -196,7 +196,7 @@ def spread(wanted: Sequence[float], pitch: float, low: float, high: float) -> Ar
         blocks.append((mean, count))
     steps = np.repeat([mean for mean, _ in blocks], [count for _, count in blocks])
     room = max(low, high - pitch * (len(wanted) - 1))
-    return np.clip(steps, low, room) + pitch * np.arange(len(wanted))
+    return np.asarray(np.clip(steps, low, room) + pitch * np.arange(len(wanted)), dtype=float)
 
 
 def thinned(points: Array, tolerance: float) -> Array:

@@ -12,6 +12,7 @@ STEPS = (1000, 500, 250, 200, 100, 50, 20, 10)
 """Scales that are tried in turn along the track: layout plans are drawn at 1:1000 or 1:500, and
 the larger ones (ISO 5455 and 1:250) where spans are so short that texts need them."""
 SMALLEST, LARGEST = 100_000, 1
+"""Scale numbers that are read at all: from a map to the real size."""
 _RATIO = 10
 """Heights and lateral positions are drawn ten times as large as lengths: 1:1000/1:100."""
 _WRITTEN = re.compile(r"\s*1\s*:\s*(\d{1,9})\s*(?:/\s*1\s*:\s*(\d{1,9})\s*)?\Z")
