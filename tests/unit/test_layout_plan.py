@@ -115,6 +115,7 @@ def test_dxf_says_what_the_line_is(curve: LayoutPlan, tmp_path: Path) -> None:
                  "transition 80.0 m", "level"):  # fmt: skip
         assert text in texts, text
     assert {layer.dxf.name for layer in space.doc.layers} >= LAYERS.keys()
+    assert space.doc.layers.get("TEXT").color == 7  # black or white, against the screen's
     assert space.doc.units == ezdxf.units.M
 
 

@@ -52,7 +52,6 @@ def dxf_of(drawing: Drawing, scale: int) -> str:
         When the package is missing.
     """
     require_dxf()
-    from ezdxf.colors import RGB
     from ezdxf.filemanagement import new
 
     document = new("R2010", units=_METRES)
@@ -60,7 +59,7 @@ def dxf_of(drawing: Drawing, scale: int) -> str:
     metre = 1e-3 * scale
     for layer in LAYERS.values():
         entry = document.layers.add(layer.name)
-        entry.rgb = RGB.from_hex(layer.colour)
+        entry.color = layer.index
         entry.dxf.lineweight = round(100.0 * layer.width)
         if layer.dashes:
             signs = [metre * part * (-1) ** number for number, part in enumerate(layer.dashes)]

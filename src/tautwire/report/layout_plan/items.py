@@ -29,7 +29,9 @@ class Layer:
     ----------
     name : str
     colour : str
-        As ``#rrggbb``.
+        On paper, as ``#rrggbb``.
+    index : int
+        Number of the AutoCAD colour, seen on dark and light screens; 7 is black or white.
     width : float mm
         Of its strokes.
     dashes : tuple of float mm
@@ -38,6 +40,7 @@ class Layer:
 
     name: str
     colour: str
+    index: int
     width: float
     dashes: tuple[float, ...] = ()
 
@@ -45,19 +48,19 @@ class Layer:
 LAYERS: dict[str, Layer] = {
     layer.name: layer
     for layer in (
-        Layer("FRAME", "#16202b", 0.25),
-        Layer("SUPPORTS", "#8d98a3", 0.18),
-        Layer("AXIS", "#16202b", 0.25, (8.0, 1.5, 1.0, 1.5)),
-        Layer("TRACK", "#16202b", 0.35),
-        Layer("ALIGNMENT", "#16202b", 0.25),
-        Layer("TENSION_LENGTHS", "#16202b", 0.35),
-        Layer("DROPPERS", "#55616e", 0.18),
-        Layer("ARMS", "#16202b", 0.35),
-        Layer("STITCH", "#8a3f73", 0.35),
-        Layer("AUXILIARY", "#00795a", 0.35),
-        Layer("MESSENGER", "#0b3d63", 0.35),
-        Layer("CONTACT", "#b02a1a", 0.5),
-        Layer("TEXT", "#16202b", 0.18),
+        Layer("FRAME", "#16202b", 7, 0.25),
+        Layer("SUPPORTS", "#8d98a3", 8, 0.18),
+        Layer("AXIS", "#16202b", 7, 0.25, (8.0, 1.5, 1.0, 1.5)),
+        Layer("TRACK", "#16202b", 7, 0.35),
+        Layer("ALIGNMENT", "#16202b", 7, 0.25),
+        Layer("TENSION_LENGTHS", "#16202b", 7, 0.35),
+        Layer("DROPPERS", "#55616e", 8, 0.18),
+        Layer("ARMS", "#16202b", 7, 0.35),
+        Layer("STITCH", "#8a3f73", 6, 0.35),
+        Layer("AUXILIARY", "#00795a", 92, 0.35),
+        Layer("MESSENGER", "#0b3d63", 150, 0.35),
+        Layer("CONTACT", "#b02a1a", 1, 0.5),
+        Layer("TEXT", "#16202b", 7, 0.18),
     )
 }
 """By name, each drawn over those before. Widths of lines are those of ISO 128-2 [mm]: wires and
