@@ -40,6 +40,10 @@ SECTIONS = [
 ]
 LARGEST = 3_000_000
 """Bytes of a page that is sent by mail."""
+CHANGED_WIRE = {
+    "tension": 2.1e4, "mass": 1.2, "axial_stiffness": 1.2e7, "bending_stiffness": 110.0,
+    "strength": 5e4, "diameter": 0.012, "thermal_expansion": 1.6e-5,
+}  # fmt: skip
 LARGEST_OF_MANY = 12_000_000
 
 
@@ -344,6 +348,45 @@ def test_masthead_speaks_of_every_run(tmp_path: Path) -> None:
     assert "200 kN/m and 50 kN/m" in head
     for run in (one, other):
         assert run.case.hash()[:12] in text[text.rindex("<footer") :]
+
+
+def _rows(page: Path, first: str, last: str) -> str:
+    text = page.read_text(encoding="utf-8")
+    part = text[text.index(first) : text.index(last)]
+    return " ".join(re.sub(r"<[^>]+>", " ", part).split())
+
+
+def test_overlay_begins_with_what_differs(tmp_path: Path) -> None:
+    """Figures of lines that differ, results and inputs stand first, with the change from the first
+    run; what is alike is left out, and an item that one run lacks is one row."""
+    one = make_run(make_case(spans=8))
+    faster = {"speed": 300 / 3.6, "mean_force": 169.0}
+    other = make_run(make_case(spans=12, pantographs=2, scenario=faster))
+    path = write_report([one, other], tmp_path / "report.html", labels=["long", "short"])
+    told = _rows(path, "What differs between the runs", ">Results<")
+    change = 100.0 * (300.0 / 320.0 - 1.0)
+    assert "spans 8 12 (+50.0 %)" in told
+    even = told.replace("\xa0", " ")
+    assert f"speed 320 km/h 300 km/h (\N{MINUS SIGN}{-change:.1f} %)" in even
+    assert "tension, contact" not in told
+    assert "mean contact force" in told
+    assert "pantographs[2] – given" in told
+    assert "pantographs[2]." not in told
+    alone = write_report(one, tmp_path / "alone.html").read_text(encoding="utf-8")
+    assert "What differs" not in alone
+
+
+def test_many_differences_are_folded_away(tmp_path: Path) -> None:
+    """More than a dozen inputs that differ do not push the results out of sight."""
+    run = make_run(make_case(spans=6))
+    changes = {f"wires.contact.{name}": value for name, value in CHANGED_WIRE.items()}
+    changes |= {f"wires.messenger.{name}": value for name, value in CHANGED_WIRE.items()}
+    changes |= {"line.damping.mass": 0.02, "line.damping.stiffness": 1e-5}
+    other = dataclasses.replace(run, case=run.case.with_(**changes))
+    told = _rows(write_report([run, other], tmp_path / "a.html"), "What differs", ">Results<")
+    shown, folded = told.split("more difference", 1)
+    assert shown.rsplit(None, 1)[-1].isdigit()
+    assert "wires.messenger.mass" in shown + folded
 
 
 def test_runs_stand_side_by_side(overlaid: _Page) -> None:

@@ -16,18 +16,18 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.assessment.design.checks import DesignCheck, design_checks
 from tautwire.assessment.design.lateral import LateralCheck, known_gauge, lateral_check
 from tautwire.cli.about import backend, program
-from tautwire.cli.folders import Files, result_folder
+from tautwire.cli.folders import Files, result_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import StepWatch
-from tautwire.cli.session import DONE, FAILED, Answer, OutputError
+from tautwire.cli.session import DONE, FAILED, Answer
 from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.design_view import lateral_view, masts_view
 from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
-from tautwire.cli.views.tables import files_written, heading
 from tautwire.files import write_text
+from tautwire.inputs.book.case_book import write_workbook
 from tautwire.inputs.load import load_case
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
@@ -108,7 +108,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
                 if files is not None:
                     _write(answer, files, case, shape, elasticity)
                     _write_design(files, case, design)
-                    _list_files(answer, files)
+                    tell_files(answer, files)
     answer.exit_code = interrupts.exit_code
     if answer.exit_code == DONE and design.has_faults:
         answer.exit_code = FAILED
@@ -130,14 +130,8 @@ def _write(
         files.write(STATIC_FILE, lambda path: save_equilibrium(shape, path, case, elasticity))
         files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     files.write("static.json", lambda path: write_text(path, text))
-    files.write("droppers.csv", lambda path: write_dropper_table(shape, path))
-
-
-def _list_files(answer: Answer, files: Files) -> None:
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)
+    files.write("droppers.csv", lambda path: write_dropper_table(shape, case, path))
+    files.write("line.xlsx", lambda path: write_workbook(case, path))
 
 
 def _conditions(

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from tautwire.report.parts.blocks import Cell, Columns, Details, Heading, Section, Table, Text
 from tautwire.report.parts.views import RunView
-from tautwire.report.parts.words import compact, counted, listing, number, quantity
+from tautwire.report.parts.words import MISSING, compact, counted, listing, number, quantity
 from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 from tautwire.specs.line.support import Supports
@@ -21,12 +21,13 @@ GROUPS = ("track", "line", "wires", "supports", "droppers", "bodies", "irregular
 LONG = 12
 """Lists with more items than this are shortened."""
 
+MOST_DIFFERENCES = 12
+"""Inputs that differ between runs and are shown at once; with more, results move out of sight."""
+
 
 def conditions_section(views: Sequence[RunView]) -> Section:
     """Write the section about everything that the numbers depend on."""
     blocks: list[object] = [conventions_table(views)]
-    if len(views) > 1:
-        blocks += [Heading("What differs between the runs"), _differences_table(views)]
     blocks.append(Heading("Inputs"))
     blocks.append(
         Text(
@@ -231,16 +232,34 @@ def source_of(path: str, sources: Sequence[str]) -> int | None:
     return found
 
 
-def _differences_table(views: Sequence[RunView]) -> Table:
-    values = [dict(input_values(view.run.case)) for view in views]
+def difference_blocks(views: Sequence[RunView]) -> list[object]:
+    """List the inputs that are not the same in all runs; many of them are folded away."""
+    values = [_with_whole_items(dict(input_values(view.run.case))) for view in views]
     paths = dict.fromkeys(path for column in values for path in column)
+    cells = [(path, tuple(column.get(path) for column in values)) for path in paths]
+    differing = [(path, texts) for path, texts in cells if len(set(texts)) > 1]
+    gone = [path for path, texts in differing if None in texts]
     rows = [
-        (path, *(column.get(path, number(None)) for column in values))
-        for path in paths
-        if len({column.get(path) for column in values}) > 1
+        (path, *(MISSING if text is None else text for text in texts))
+        for path, texts in differing
+        if not any(path != whole and path.startswith(f"{whole}.") for whole in gone)
     ]
+    head, align = ("input", *(view.label for view in views)), "l" * (1 + len(views))
     caption = "Inputs that are not the same in all runs." if rows else "All inputs are the same."
-    return Table(caption, ("input", *(v.label for v in views)), "l" * (1 + len(views)), tuple(rows))
+    blocks: list[object] = [Table(caption, head, align, tuple(rows[:MOST_DIFFERENCES]))]
+    if rest := tuple(rows[MOST_DIFFERENCES:]):
+        blocks.append(
+            Details(f"{counted(len(rest), 'more difference')}", (Table("", head, align, rest),))
+        )
+    return blocks
+
+
+def _with_whole_items(values: dict[str, str]) -> dict[str, str]:
+    """Add items of lists as a whole, so that one which a run lacks is told in one row."""
+    wholes = {
+        match[0]: "given" for path in values for match in re.finditer(r"^.*?\[\d+\](?=\.)", path)
+    }
+    return {**wholes, **values}
 
 
 def _cost_table(views: Sequence[RunView]) -> Table:

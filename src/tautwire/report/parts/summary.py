@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from tautwire.assessment.checks import Check
 from tautwire.report.figures.line_figures import highest_support
@@ -20,6 +21,7 @@ from tautwire.report.parts.blocks import (
     Text,
     Verdict,
 )
+from tautwire.report.parts.conditions import difference_blocks
 from tautwire.report.parts.views import RunView, Series, series
 from tautwire.report.parts.words import (
     MISSING,
@@ -58,6 +60,9 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     blocks: list[object] = []
     cautions = tuple(line for view in views for line in _cautions(view, many=len(views) > 1))
     blocks += [Callout(cautions)] if cautions else []
+    if len(views) > 1:
+        blocks += [Heading("What differs between the runs"), _beside_each_other(views)]
+        blocks += [*difference_blocks(views), Heading("Results")]
     blocks += [Text(_statement(view, many=len(views) > 1), "statement") for view in views]
     if len(shown) == 1 and math.isfinite(statistics_of(shown[0]).headline.mean):
         blocks.append(_keys(views[0]))
@@ -129,6 +134,87 @@ def _force_sentence(entry: PantographStatistics) -> str:
         f"{quantity(1e3 * loss.longest, 'ms')}"
     )
     return f"{text}; {marked(losses, is_carried=loss.is_carried)}"
+
+
+def _beside_each_other(views: Sequence[RunView]) -> Table:
+    """Put results side by side, and figures of the lines where they differ."""
+    lines, results = [_line_figures(v) for v in views], [_result_figures(v) for v in views]
+    rows = []
+    for columns in (lines, results):
+        for name in dict.fromkeys(name for column in columns for name in column):
+            found = [column.get(name, _Figure(math.nan, MISSING)) for column in columns]
+            if columns is results or len({figure.text for figure in found}) > 1:
+                texts = (f"{one.text}{_change(one.value, found[0].value)}" for one in found)
+                rows.append((name, *texts))
+    return Table(
+        caption="Lines and results; in brackets the difference from the first run. Forces are "
+        "those of the leading pantograph, with the headline filter.",
+        head=("", *(view.label for view in views)),
+        align="l" + "r" * len(views),
+        rows=tuple(rows),
+    )
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """A number and how it is written."""
+
+    value: float
+    text: str
+
+
+def _line_figures(view: RunView) -> dict[str, _Figure]:
+    """Return the figures by which lines are told apart."""
+    case, data = view.run.case, view.elasticity
+    spans, wires = case.line.span_lengths(), case.wires
+    ratio = case.scenario.speed / wires.contact.wave_speed()
+    found = {
+        "spans": (float(len(spans)), "", 0),
+        "shortest span": (min(spans), "m", 1),
+        "longest span": (max(spans), "m", 1),
+        **{f"tension, {name}": (1e-3 * wire.tension, "kN", 2) for name, wire in wires.named()},
+        "speed": (3.6 * case.scenario.speed, "km/h", 0),
+        "speed over wave speed": (ratio, "", 3),
+    }
+    if data is not None:
+        found |= {
+            "least elasticity": (1e3 * float(data.elasticity.min()), "mm/N", 3),
+            "largest elasticity": (1e3 * float(data.elasticity.max()), "mm/N", 3),
+            "non-uniformity of the elasticity": (1e2 * data.nonuniformity, "%", 1),
+        }
+    return {
+        name: _Figure(value, quantity(value, unit, digits))
+        for name, (value, unit, digits) in found.items()
+    }
+
+
+def _result_figures(view: RunView) -> dict[str, _Figure]:
+    """Return what a passage is judged by, of its leading pantograph."""
+    entry = view.statistics.pantographs[0]
+    part, loss = entry.headline, entry.contact_loss
+    forces = {
+        "standard deviation": part.standard_deviation,
+        "largest force": part.maximum,
+        "smallest force": part.minimum,
+    }
+    uplift = 1e3 * view.statistics.uplift.maximum
+    return {
+        "mean contact force": _Figure(part.mean, quantity(part.mean, "N")),
+        **{
+            name: _Figure(value, f"{_headline_cell(part, value)} N")
+            for name, value in forces.items()
+        },
+        "largest uplift at a support": _Figure(uplift, quantity(uplift, "mm")),
+        "contact loss": _Figure(loss.percent, _if_seen(entry, quantity(loss.percent, "%", 3))),
+    }
+
+
+def _change(value: float, first: float) -> str:
+    """Return the difference from the first run as a share of it; nothing where there is none."""
+    if not (math.isfinite(value) and math.isfinite(first)) or first == 0.0:
+        return ""
+    share = number(100.0 * (value / first - 1.0))
+    return "" if share == number(0.0) else f" ({'+' if value > first else ''}{share} %)"
 
 
 def _short(kind: str) -> str:

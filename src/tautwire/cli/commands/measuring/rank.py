@@ -8,10 +8,10 @@ from pathlib import Path
 
 from tautwire.analyses.survey.rank import LEAST, Ranking, rank
 from tautwire.cli.commands.measuring.measured import quantity
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
-from tautwire.cli.views.tables import facts, heading, table
+from tautwire.cli.session import Answer
+from tautwire.cli.views.tables import heading, table
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.report.parts.recordings.rank import (
@@ -72,10 +72,7 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
     if out is not None:
         files = Files(out)
         _write(files, answer, ranking)
-        answer.document["files"] = files.written
-        answer.show(heading("Files"), facts(files.written.items()))
-        if files.problems:
-            raise OutputError(files.problems)
+        tell_files(answer, files)
 
 
 def _document(ranking: Ranking) -> dict[str, object]:
