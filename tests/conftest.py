@@ -43,7 +43,7 @@ def _tolerance(
 @pytest.fixture(autouse=True)
 def _figures_are_what_plotly_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the package plotly check every key of every figure that a test puts on a page."""
-    from tautwire.report.figures.drawing import Drawing
+    from tautwire.report.drawing import Drawing
 
     written = Drawing.to_json
 

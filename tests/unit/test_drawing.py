@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 import pytest
 from plotly.subplots import make_subplots
 
-from tautwire.report.figures.drawing import Drawing, panels
+from tautwire.report.drawing import Drawing, panels
 
 LAYOUT = {"height": 300, "xaxis": {"title": {"text": "x"}}, "hovermode": None}
 
@@ -88,7 +88,7 @@ def test_a_wrong_key_is_found_by_plotly() -> None:
 def test_drawing_needs_no_plotly() -> None:
     """The figures of a report are made without the package plotly."""
     code = (
-        "import sys; from tautwire.report.figures.drawing import panels;"
+        "import sys; from tautwire.report.drawing import panels;"
         "figure = panels([1.0], gap=0.1); figure.add_scatter(x=[0], y=[1]); figure.to_json();"
         "print('plotly' in sys.modules)"
     )

@@ -13,7 +13,7 @@ import plotly.graph_objects as go
 import pytest
 
 from tautwire.errors import InputError
-from tautwire.report.figures.drawing import Drawing
+from tautwire.report.drawing import Drawing
 from tautwire.report.parts.blocks import (
     Animation,
     Callout,

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
 

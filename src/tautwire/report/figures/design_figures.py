@@ -9,8 +9,8 @@ import numpy as np
 from tautwire.analyses.design.masts import Masts
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.assessment.span_table import SpanRow
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 
 STRAIGHT_AT = 2.0
 """Where straight track stands on an axis of radii, in units of the widest curve."""

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import recurring
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
 from tautwire.results.run import Run

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.pieces import Body
+from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing, panels
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.body_words import bodies_of, body_heights

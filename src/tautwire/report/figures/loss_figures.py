@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing, panels
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.parts.summary import statistics_of
 from tautwire.report.parts.views import RunView, Series, series

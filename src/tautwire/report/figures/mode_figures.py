@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.modes import mode_spectrum
 from tautwire.analyses.vibration.space_time import SpaceTime
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 from tautwire.report.figures.packing import thinned
 from tautwire.results.modes import Modes
 from tautwire.signals.spectra import Spectrum

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 from tautwire.report.figures.packing import thinned
 
 MOST_POINTS = 8000

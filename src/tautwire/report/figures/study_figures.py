@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.drawing import Drawing
 from tautwire.report.parts.words import band as band_text
 from tautwire.studies.axes import SAMPLE, AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tautwire.report.figures.drawing import Drawing
+from tautwire.report.drawing import Drawing
 
 INK = "#16202b"
 SOFT = "#55616e"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.figures.drawing import Drawing
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.reproductions.song2021.pages.drawings import FORCE, POSITION
 from tautwire.reproductions.song2021.pages.drawings_high import SAG, sag
