@@ -179,6 +179,7 @@ def static(
     overrides: SetOption = None,
     condition: ConditionOption = None,
     out: OutFolderOption = None,
+    project: ProjectOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -191,7 +192,8 @@ def static(
     with answering(as_json) as answer:
         from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, StaticRequest(case, with_condition(overrides, condition), out, force))
+        changes = with_condition(overrides, condition)
+        find_static(answer, StaticRequest(case, changes, out, force, project))
 
 
 @app.command()

@@ -28,6 +28,7 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
+from tautwire.inputs.project import with_project
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.pages.conditions_page import ConditionsPage, write_conditions_page
@@ -61,12 +62,15 @@ class StaticRequest:
     out : Path or None
     force : bool
         Replace the files of another result.
+    project : Path or None
+        File with the project block.
     """
 
     case: str
     overrides: Sequence[str]
     out: Path | None
     force: bool = False
+    project: Path | None = None
 
 
 def find_static(answer: Answer, request: StaticRequest) -> None:
@@ -75,7 +79,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
     The shape is on disk before the elasticity is computed, and stays when that is stopped.
     """
     announce_workbook(answer, request.case)
-    case = load_case(request.case, request.overrides)
+    case = with_project(load_case(request.case, request.overrides), request.project)
     known_gauge(case.requirements.gauge)
     out, interrupts = request.out, Interrupts()
     with nullcontext() if out is None else result_folder(out, force=request.force) as files:

@@ -7,7 +7,13 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import CaseArgument, JsonOption, LimitsOption, SetOption
+from tautwire.cli.options import (
+    CaseArgument,
+    JsonOption,
+    LimitsOption,
+    ProjectOption,
+    SetOption,
+)
 from tautwire.cli.session import answering
 
 
@@ -144,6 +150,7 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Compare runs with recordings, after EN 50318 and IEC 63453.
@@ -158,7 +165,13 @@ def compare(
             Path(), mapping, speed, tuple(strip_mass or ()), filtered
         )  # the path is that of each recording
         request = ComparisonRequest(
-            tuple(files), reading, tuple(pantograph or ()), offset, search, limits
+            tuple(files),
+            reading,
+            tuple(pantograph or ()),
+            offset,
+            search,
+            limits,
+            project,
         )
         compare_runs(answer, request, out)
 
