@@ -194,7 +194,7 @@ def _write(answer: Answer, files: Files, run: Run) -> None:
     """Write the numbers of a run, the most important first."""
     text = to_json(answer.document) + "\n"
     files.write("results.json", lambda path: write_text(path, text))
-    files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
+    files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, run.case, path))
     for number, record in enumerate(run.pantographs, 1):
         name = "force.csv" if number == 1 else f"force-{number}.csv"
         files.write(name, lambda path, who=record.name: write_force_history(run, path, who))

@@ -27,6 +27,7 @@ from tautwire.cli.views.documents import static_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.static_view import static_view
 from tautwire.files import write_text
+from tautwire.inputs.book.case_book import write_workbook
 from tautwire.inputs.load import load_case
 from tautwire.inputs.project import with_project
 from tautwire.model.build import Model, build
@@ -133,7 +134,8 @@ def _write(
         files.write(STATIC_FILE, lambda path: save_equilibrium(shape, path, case, elasticity))
         files.write("elasticity.csv", lambda path: write_text(path, elasticity_csv(elasticity)))
     files.write("static.json", lambda path: write_text(path, text))
-    files.write("droppers.csv", lambda path: write_dropper_table(shape, path))
+    files.write("droppers.csv", lambda path: write_dropper_table(shape, case, path))
+    files.write("line.xlsx", lambda path: write_workbook(case, path))
 
 
 def _conditions(
