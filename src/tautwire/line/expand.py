@@ -272,6 +272,7 @@ class _Expansion:
                     end=ends.get(mast),
                     is_fixed_along=mast == self.plan.fixed_point,
                     stop=own.stop,
+                    heel=None if own.cantilever is None else own.cantilever.arm,
                 )
 
     def _lift(self, name: str, wire: Wire, mast: int) -> float:
@@ -310,6 +311,7 @@ class _Expansion:
                     stiffness=own.messenger_stiffness,
                     damping=own.messenger_damping,
                     is_fixed_along=is_fixed or own.messenger_longitudinal == "fixed",
+                    elastic=None if own.cantilever is None else own.cantilever.messenger,
                 )
 
 

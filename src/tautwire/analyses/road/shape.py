@@ -241,7 +241,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     _refuse_bad_arms(model, held)
     return Equilibrium(
         track=line.track,
-        position=system.position,
+        position=_with_heels(mesh, system.position, held),
         cable_lengths=system.cables.length,
         **_wires(mesh),
         **_droppers(model, form),
@@ -256,9 +256,19 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     )
 
 
+def _with_heels(mesh: Mesh, position: Array, held: Held) -> Array:
+    """Return the coordinates with elastic far ends of arms where the arms end."""
+    rows = np.flatnonzero(mesh.heels >= 0)
+    if not len(rows):
+        return position
+    nodes, found = mesh.heels[rows], position.copy()
+    found.reshape(-1, 6)[nodes, :3] = mesh.frames[nodes].to_world(held.end[rows])
+    return found
+
+
 def _wires(mesh: Mesh) -> dict[str, Any]:
-    """Return which node belongs to which wire."""
-    wire = np.empty(mesh.node_count, dtype=np.int64)
+    """Return which node belongs to which wire; -1 for that of a support."""
+    wire = np.full(mesh.node_count, -1)
     for number, strand in enumerate(mesh.strands):
         wire[strand.nodes] = number
     return {

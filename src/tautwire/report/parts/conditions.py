@@ -75,6 +75,7 @@ def _conventions(view: RunView) -> dict[str, str]:
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",
         "steady arms": "none" if supports.closure == "spring" else _arms(supports),
         "uplift stops": _stops(supports),
+        "cantilevers": _cantilevers(supports),
         "messenger wire along the track": supports.messenger_longitudinal,
         "mesh": settings.mesh(),
         "time step": f"{1e3 * settings.step():g} ms",
@@ -100,6 +101,12 @@ def _arms(supports: Supports) -> str:
 def _stops(supports: Supports) -> str:
     gaps = sorted({k.stop.gap if k.stop is not None else 0.0 for k in supports.kinds()})
     return listing([f"gap {1e3 * gap:g} mm" if gap else "none" for gap in gaps])
+
+
+def _cantilevers(supports: Supports) -> str:
+    told = [k.cantilever.told() for k in supports.kinds() if k.cantilever is not None]
+    rigid = ["rigid"] if len(told) < len(supports.kinds()) else []
+    return " or ".join(dict.fromkeys([*told, *rigid]))
 
 
 def _irregularities(view: RunView) -> str:
@@ -151,6 +158,8 @@ def leaves_of_group(case: Case, group: str) -> Iterator[tuple[str, Any, str]]:
         yield from level if case.track.is_straight_and_level else found
     elif isinstance(part, BaseModel):
         yield from leaves(part, group)
+    elif not part:
+        yield group, None, ""
     else:
         for index, item in enumerate(part, 1):
             yield from leaves(item, f"{group}[{index}]")
