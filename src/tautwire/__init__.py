@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.vibration.modes import modes
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
+    from tautwire.inputs.book.case_book import write_workbook
     from tautwire.inputs.load import load_case
     from tautwire.inputs.reading.recording import load_recording
     from tautwire.inputs.reading.survey import load_survey
@@ -93,6 +94,7 @@ __all__ = [
     "save_run",
     "simulate",
     "write_report",
+    "write_workbook",
 ]
 
 _HOMES = {
@@ -135,6 +137,7 @@ _HOMES = {
     "save_run": "tautwire.results.storage",
     "simulate": "tautwire.analyses.road.dynamics",
     "write_report": "tautwire.report.pages.run_page",
+    "write_workbook": "tautwire.inputs.book.case_book",
 }
 
 register("plot", "tautwire.report.pages.notebook", "RunPlots")

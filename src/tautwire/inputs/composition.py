@@ -14,7 +14,7 @@ from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs import inheritance
 from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
-from tautwire.inputs.merge import merge
+from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import (
     PathError,
@@ -39,7 +39,7 @@ from tautwire.inputs.reading.tables import (
 from tautwire.specs.base import Spec
 from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.tables.columns import KINDS, Field, named_field
-from tautwire.tables.line import SECTIONS, LineTables
+from tautwire.tables.line import SECTIONS
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -211,7 +211,7 @@ class _Composer:
         part = self._mapping(own, at, document, (*trail, document))
         if trail:
             self.result.shelf = outer
-        values = merge(part.values, overlay)
+        values = with_table(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
         sources = inheritance.still_stated(sources, document.content, overlay, at)
@@ -370,12 +370,12 @@ class _Composer:
             self._miss(error, files)
             return {}, []
         file_of = {section: files[kind] for kind in files for section in SECTIONS[kind]}
-        self.result.problems += _given_twice(found, own, file_of, document.label)
+        self.result.problems += _given_twice(found.values, own, file_of, document.label)
         self.result.cells |= cells_by_list(found.origins)
         sources: Sources = [
-            {"path": path, "source": f"Table {file_of[path.partition('.')[0]]}",
+            {"path": format_path(path), "source": f"Table {file_of[str(path[0])]}",
              "confidence": "one source"}
-            for path, _ in found.told()
+            for path in paths_of(found.values)
         ]  # fmt: skip
         return found.values, sources
 
@@ -432,16 +432,15 @@ def _table_files(tables: object, label: str) -> dict[str, str]:
 
 
 def _given_twice(
-    table: LineTables, own: Mapping[str, Any], files: Mapping[str, str], label: str
+    table: Mapping[str, Any], own: Mapping[str, Any], files: Mapping[str, str], label: str
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
-    for path, value in table.told():
-        steps = tuple(path.split("."))
-        given = value_at(own, steps)
-        if given is not None and given != value:
+    for path in paths_of(table):
+        given, file = value_at(own, path), files[str(path[0])]
+        if given is not None and given != value_at(table, path):
             problems.append(
-                f"{label}: {path}: is given here and in the table {files[steps[0]]}; keep one"
+                f"{label}: {format_path(path)}: is given here and in the table {file}; keep one"
             )
     return problems
 

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
+from tautwire.inputs.book.workbook import case_of, is_workbook, open_workbook
 from tautwire.inputs.composition import Composition, compose, compose_data
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
@@ -20,7 +21,6 @@ from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import cells_by_list
-from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import Case
 from tautwire.specs.schema.upgrade import SCHEMA_VERSION
 from tautwire.specs.settings import NOT_GIVEN

@@ -174,6 +174,7 @@ class _Expansion:
         sets = [
             self._about_masts(one) if one.about == "mast" else self._in_spans(one)
             for one in self.case.dropper_sets
+            if one.tension_length in (None, self.plan.name)
         ]
         return tuple(chain(*sets, self._raising()))
 
@@ -186,7 +187,14 @@ class _Expansion:
                 drop = drops[span][index] if one.mode == "height" else 0.0
                 length = lengths[span][index] if one.mode == "length" else 0.0
                 s = self.masts[span] + position
-                yield from self._hanger(one, s, (drop, length), self.plan.run(one.upper))
+                yield from self._hanger(one, s, (drop, length), self._above(one, s))
+
+    def _above(self, one: Droppers, s: float) -> str:
+        """Return the run above a place; of stitch wires that of the nearest support with one."""
+        if self.wires[one.upper].role != "stitch":
+            return self.plan.run(one.upper)
+        nearest = min(self._stitched_masts(), key=lambda mast: abs(self.masts[mast] - s))
+        return self._stitch(one.upper, nearest)
 
     def _about_masts(self, one: Droppers) -> Iterator[Hanger]:
         count = self.case.line.spans - 1
@@ -264,6 +272,7 @@ class _Expansion:
                     end=ends.get(mast),
                     is_fixed_along=mast == self.plan.fixed_point,
                     stop=own.stop,
+                    heel=None if own.cantilever is None else own.cantilever.arm,
                 )
 
     def _lift(self, name: str, wire: Wire, mast: int) -> float:
@@ -302,6 +311,7 @@ class _Expansion:
                     stiffness=own.messenger_stiffness,
                     damping=own.messenger_damping,
                     is_fixed_along=is_fixed or own.messenger_longitudinal == "fixed",
+                    elastic=None if own.cantilever is None else own.cantilever.messenger,
                 )
 
 

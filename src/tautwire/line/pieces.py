@@ -14,6 +14,7 @@ from typing import Literal
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.numerics.track import Track
+from tautwire.specs.line.cantilever import Elastic
 from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
 from tautwire.specs.line.support import UpliftStop
@@ -172,6 +173,8 @@ class Registration:
         Whether the wire is held along the track once the shape is found.
     stop : UpliftStop or None
         What it meets when it rises.
+    heel : Elastic or None
+        How the far end of its arm gives way.
     """
 
     label: MastLabel
@@ -183,6 +186,7 @@ class Registration:
     end: tuple[float, float] | None = None
     is_fixed_along: bool = False
     stop: UpliftStop | None = None
+    heel: Elastic | None = None
 
 
 @dataclass(frozen=True)
@@ -198,6 +202,8 @@ class Suspension:
         Vertical.
     is_fixed_along : bool
         Whether the wire is held along the track once the shape is found.
+    elastic : Elastic or None
+        How it gives way besides.
     """
 
     label: MastLabel
@@ -207,6 +213,7 @@ class Suspension:
     stiffness: float
     damping: float
     is_fixed_along: bool
+    elastic: Elastic | None = None
 
 
 @dataclass(frozen=True)

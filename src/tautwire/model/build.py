@@ -172,6 +172,10 @@ def _positions(line: Line, mesh: Mesh, guess: Guess) -> Array:
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         position[strand.nodes, 0] = r
         position[strand.nodes, 1] = _stretch(strand.run) * direction
+    for heel, piece in zip(mesh.heels, line.registrations, strict=True):
+        if piece.heel is not None:
+            position[heel, 0] = mesh.frames[heel].to_world(np.array([0.0, piece.y, piece.z]))
+            position[heel, 1] = mesh.frames.axes[heel, 0]
     return position
 
 
@@ -249,6 +253,7 @@ def _held(line: Line, mesh: Mesh) -> NDArray[np.bool_]:
     for group in groups(line, mesh):
         for direction in group.kind.held:
             held[group.nodes, direction] = True
+    held[mesh.heels[mesh.heels >= 0]] = True
     return held.ravel()
 
 

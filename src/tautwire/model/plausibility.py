@@ -28,6 +28,10 @@ DIP = 0.01
 """Depth to which a body may bend the contact wire between droppers [m] before it is told: chosen,
 half of a usual pre-sag; sagging joints wear strips and wire."""
 
+BENT = 0.05
+"""Deflection of an elastic cantilever under the lateral pull of its design [m] from which it is
+told: chosen, a tenth of the stagger from side to side."""
+
 COPPER = 8900.0
 """Density of copper and its alloys [kg/m3], of which contact wires and most ropes are made."""
 
@@ -115,7 +119,25 @@ def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
         *_slack(shape),
         *_scatter(case, shape),
         *_arms(case, shape),
+        *_bent(case, shape),
     )
+
+
+def _bent(case: Case, shape: Equilibrium) -> Iterator[Advice]:
+    """Tell that a cantilever gives way far under what its arm pulls in the design."""
+    pulls = np.abs(shape.arm_forces * np.cos(shape.arm_angles))
+    for support, pull in zip(shape.support_number[shape.arm_supports - 1], pulls, strict=True):
+        cantilever = case.supports.at(int(support) - 1).cantilever
+        arm = None if cantilever is None else cantilever.arm
+        if arm is None or arm.lateral is None or pull <= BENT * arm.lateral:
+            continue
+        yield _warning(
+            "elastic cantilever",
+            f"the heel at support {support} gives way by {pull / arm.lateral:.2f} m under the "
+            f"{pull:.0f} N that its arm pulls sideways (usual: at most {BENT:g} m)",
+            "check supports.cantilever.arm.lateral (50 to 500 kN/m)",
+        )
+        return
 
 
 def _warning(topic: str, text: str, cure: str) -> Advice:

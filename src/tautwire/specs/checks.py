@@ -15,9 +15,9 @@ from tautwire.specs.conditions.checks import (
 )
 from tautwire.specs.line.body import check_bodies
 from tautwire.specs.line.catenary import Line
-from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.dropper import Droppers, check_sets
 from tautwire.specs.line.irregularity import check_irregularities
-from tautwire.specs.line.support import Supports, check_hinges
+from tautwire.specs.line.support import Supports, check_cantilevers, check_hinges
 from tautwire.specs.line.tension import check_tension_lengths
 from tautwire.specs.line.track import check_track
 from tautwire.specs.line.wire import Wires
@@ -433,8 +433,10 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "track", "pantographs"), check_track),
     (("line", "droppers"), check_droppers),
     (("line", "tension_lengths", "overlaps"), check_tension_lengths),
+    (("line", "wires", "droppers", "tension_lengths"), check_sets),
     (("wires", "supports", "droppers"), check_dropper_wires),
     (("line", "wires", "supports", "droppers"), check_encumbrance),
+    (("wires", "supports"), check_cantilevers),
     (("wires", "scenario"), check_speed),
     (("pantographs",), check_pantograph_row),
     (("scenario", "pantographs"), check_forces),

@@ -20,6 +20,7 @@ from tautwire.tables.columns import (
     TEXT,
     Field,
     fields_of,
+    sheet_names,
     split_heading,
 )
 from tautwire.tables.headings import read_heading
@@ -36,6 +37,8 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
     "droppers": (("position",),),
     "wires": (("wire",), ("use", "tension", "mass")),
+    "values": (("path",), ("value",)),
+    "sources": (("path",), ("source",), ("confidence",)),
     "bodies": (("body",), ("wire",), ("position",)),
     RECORDING: (
         ("time", "position", "odometer"),
@@ -112,12 +115,35 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     proposals = [match(sheet, kind, fields_of(kind), NEEDS[kind]) for kind in kinds]
     found = [one for one in proposals if one is not None]
     if not found:
+        _refuse_almost(sheet, kinds)
         return None
     best = max(found, key=lambda one: len(one.uses))
     if best.kind == RECORDING:
         return _first_of_double(_with_units_alone(best))
     _refuse_double(best)
     return best
+
+
+def _refuse_almost(sheet: Sheet, kinds: Sequence[str]) -> None:
+    """Refuse a sheet that is named as a table of the line but lacks a column that it needs.
+
+    Left aside it would be replaced by what the program chooses.
+    """
+    kind = next((kind for kind in kinds if folded(sheet.name) in sheet_names(kind)), None)
+    if kind is None:
+        return
+    top = range(min(HEADING_ROWS, len(sheet.rows)))
+    row = max(top, key=lambda number: sum(isinstance(cell, str) for cell in sheet.rows[number]))
+    headings = [str(cell) for cell in sheet.rows[row] if cell is not None]
+    known = {name for text in headings if (name := _named_field(text, fields_of(kind)))}
+    missing = [group for group in NEEDS[kind] if not known & set(group)]
+    if missing:
+        needed = "; ".join(" or ".join(map(repr, group)) for group in missing)
+        raise InputError(
+            f"{sheet.label}: is named as a table of {kind}, but none of its columns is {needed}; "
+            f"there are: {shortened(', '.join(headings), 200)}. Name the column so, or the sheet "
+            "otherwise if it is none"
+        )
 
 
 def match(

@@ -6,6 +6,7 @@ from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.tables.mapping import SheetMapping, Use
+from tautwire.tables.sheets import Cell
 from tautwire.tables.values import CellError, number_of, ratio_of, text_of
 
 MOST_PROBLEMS = 1000
@@ -44,6 +45,15 @@ class Rows:
         """Return a column of names; None where the sheet has none."""
         use = self.mapping.use(name)
         return None if use is None else [self._text(row, use) for row in self.indices]
+
+    def cells(self, name: str) -> list[Cell]:
+        """Return a column as it stands; errors of formulas are complained of."""
+        use = self.mapping.use(name)
+        if use is None:
+            return [None for _ in self.indices]
+        for row in self.indices:
+            self._text(row, use)
+        return [self._cell(row, use.column) for row in self.indices]
 
     def place(self, index: int, name: str) -> str:
         """Name a cell."""

@@ -106,6 +106,8 @@ def number_of(cell: Cell, unit: str, wanted: str, *, decimal_comma: bool) -> flo
     if cell is None or (isinstance(cell, str) and cell.lower() in NOTHING):
         return None
     _refuse_error(cell)
+    if isinstance(cell, (int, float)) and unit in ("", wanted) and wanted != COUNT:
+        return float(cell)
     text = f"{cell:.15g}" if isinstance(cell, (int, float)) else cell
     if isinstance(cell, str):
         text = _with_point(text, decimal_comma=decimal_comma)

@@ -131,7 +131,10 @@ def _held(model: Model) -> Iterator[tuple[int, At, str, float]]:
 def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Array:
     """Return the forces on what holds nodes: along, level to the left, upwards, ``(n, 3)`` [N]."""
     system = equations(model, shape)
-    bare = system.with_(stays=Stays.none(), grounds=Grounds.none())
+    hangers = np.arange(len(system.ties)) < len(model.line.hangers)
+    bare = system.with_(
+        stays=Stays.none(), grounds=Grounds.none(), ties=system.ties.chosen(hangers)
+    )
     left = (system.load - internal_force(bare, system.position).nodal).reshape(-1, 6)[:, :3]
     force = (left - _constant_forces(model, shape))[nodes]
     t = model.mesh.frames.axes[nodes, 0]

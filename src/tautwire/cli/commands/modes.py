@@ -20,11 +20,11 @@ from tautwire.analyses.vibration.modes import (
 )
 from tautwire.analyses.vibration.wavelengths import NAMED_WITHIN, LineLengths, line_lengths
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
-from tautwire.cli.views.tables import facts, files_written, heading, table
+from tautwire.cli.session import Answer
+from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
@@ -217,7 +217,4 @@ def _write(answer: Answer, folder: Path, case: Case, shape: Equilibrium, found: 
     files.write("modes.csv", lambda path: write_text(path, found.to_csv()))
     files.write("mode-shapes.csv", lambda path: write_text(path, found.shapes_csv()))
     files.write("modes.html", lambda path: write_modes_report(case, shape, found, path))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
-from tautwire.cli.session import DONE, FAILED, Answer, OutputError
-from tautwire.cli.views.tables import facts, files_written, heading, table
+from tautwire.cli.session import DONE, FAILED, Answer
+from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.project import load_project
@@ -189,12 +189,7 @@ def _write_files(
     files.write("study.json", lambda path: write_text(path, text))
     facts_of_page = {"Computed by": executor.description}
     files.write("study.html", lambda path: write_study_report(found, path, facts_of_page, project))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems and answer.exit_code != DONE:
-        answer.warn(files.problems)
-    elif files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def _refuse_failures(answer: Answer, found: StudyTable, last: StudyProgress | None) -> None:

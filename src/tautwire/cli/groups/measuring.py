@@ -161,18 +161,10 @@ def compare(
         from tautwire.cli.commands.measuring.compare import ComparisonRequest, compare_runs
         from tautwire.cli.commands.measuring.measured import RecordingRequest
 
-        reading = RecordingRequest(
-            Path(), mapping, speed, tuple(strip_mass or ()), filtered
-        )  # the path is that of each recording
-        request = ComparisonRequest(
-            tuple(files),
-            reading,
-            tuple(pantograph or ()),
-            offset,
-            search,
-            limits,
-            project,
-        )
+        masses = tuple(strip_mass or ())  # the path is that of each recording
+        reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
+        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
 
@@ -241,6 +233,13 @@ def rank(
             show_default=False,
         ),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="N", help="Processes; one per core by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -256,4 +255,4 @@ def rank(
     with answering(as_json) as answer:
         from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
-        show_ranking(answer, RankRequest(case, built, set_ or [], least), out)
+        show_ranking(answer, RankRequest(case, built, set_ or [], least, workers), out)

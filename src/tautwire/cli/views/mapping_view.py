@@ -6,8 +6,8 @@ from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.book.workbook import Workbook, case_of, is_workbook, open_workbook
 from tautwire.inputs.reading.recording import RecordingFile
-from tautwire.inputs.workbook import Workbook, case_of, is_workbook, open_workbook
 from tautwire.measured.channels import Channel
 from tautwire.tables.mapping import Use
 

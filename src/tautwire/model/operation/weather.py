@@ -129,6 +129,7 @@ def _droppers(
         (1.0, 0.0, 0.0) if row in missing else _dropper_numbers(hanger, condition)
         for row, hanger in enumerate(line.hangers)
     ]
+    numbers += [(1.0, 0.0, 0.0)] * (len(ties) - len(numbers))  # arms on elastic heels
     growth, ice, wind = np.array(numbers).reshape(-1, 3).T
     length = ties.state(system.position).length
     changed = ties.of_length(ties.length * growth)

@@ -37,7 +37,7 @@ def conditions_section(views: Sequence[RunView]) -> Section:
         )
     )
     for view in views:
-        blocks += _input_blocks(view, many=len(views) > 1)
+        blocks += input_blocks(view.run.case, view.label if len(views) > 1 else "")
     tables = (_cost_table(views), _provenance_table(views))
     blocks.append(Heading("Cost and provenance"))
     blocks += [Columns(tables)] if len(views) == 1 else tables
@@ -75,6 +75,7 @@ def _conventions(view: RunView) -> dict[str, str]:
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",
         "steady arms": "none" if supports.closure == "spring" else _arms(supports),
         "uplift stops": _stops(supports),
+        "cantilevers": _cantilevers(supports),
         "messenger wire along the track": supports.messenger_longitudinal,
         "mesh": settings.mesh(),
         "time step": f"{1e3 * settings.step():g} ms",
@@ -100,6 +101,12 @@ def _arms(supports: Supports) -> str:
 def _stops(supports: Supports) -> str:
     gaps = sorted({k.stop.gap if k.stop is not None else 0.0 for k in supports.kinds()})
     return listing([f"gap {1e3 * gap:g} mm" if gap else "none" for gap in gaps])
+
+
+def _cantilevers(supports: Supports) -> str:
+    told = [k.cantilever.told() for k in supports.kinds() if k.cantilever is not None]
+    rigid = ["rigid"] if len(told) < len(supports.kinds()) else []
+    return " or ".join(dict.fromkeys([*told, *rigid]))
 
 
 def _irregularities(view: RunView) -> str:
@@ -151,6 +158,8 @@ def leaves_of_group(case: Case, group: str) -> Iterator[tuple[str, Any, str]]:
         yield from level if case.track.is_straight_and_level else found
     elif isinstance(part, BaseModel):
         yield from leaves(part, group)
+    elif not part:
+        yield group, None, ""
     else:
         for index, item in enumerate(part, 1):
             yield from leaves(item, f"{group}[{index}]")
@@ -178,9 +187,8 @@ def _plain(value: Any) -> str:
     return ", ".join(shown) + (f", … {counted(rest, 'more value')}" if rest > 0 else "")
 
 
-def _input_blocks(view: RunView, *, many: bool) -> list[object]:
-    """Write inputs and sources of one run, folded away."""
-    case = view.run.case
+def input_blocks(case: Case, label: str = "") -> list[object]:
+    """Write inputs and sources of one case, folded away; of several, each with its label."""
     paths = [source.path for source in case.sources]
     groups = _grouped(case.sources)
     marks = {path: n for n, (_, _, members) in enumerate(groups, 1) for path in members}
@@ -199,12 +207,12 @@ def _input_blocks(view: RunView, *, many: bool) -> list[object]:
             for n, (text, confidence, members) in enumerate(groups, 1)
         ),
     )
-    name = f"{view.label}: inputs" if many else "All inputs"
+    name = f"{label}: inputs" if label else "All inputs"
     blocks: list[object] = [Details(f"{name} ({len(rows)} values)", (inputs,))]
     if not case.sources:
         blocks.append(Text("The case names no sources for its values.", "note"))
-    elif many:
-        blocks.append(Details(f"{view.label}: sources", (listed,)))
+    elif label:
+        blocks.append(Details(f"{label}: sources", (listed,)))
     else:
         blocks.insert(0, listed)
     return blocks

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from tautwire.analyses.survey.as_built import SCATTER, SUPPORT_SCATTER, AsBuilt, as_built
 from tautwire.cli.commands.measuring.measured import quantity
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
@@ -83,10 +83,7 @@ def show_as_built(answer: Answer, request: SurveyRequest, out: Path | None) -> N
         with prepared_folder(out):
             files = Files(out)
             _write(files, answer, built)
-        answer.document["files"] = files.written
-        answer.show(heading("Files"), facts(files.written.items()))
-        if files.problems:
-            raise OutputError(files.problems)
+        tell_files(answer, files)
 
 
 def _write(files: Files, answer: Answer, built: AsBuilt) -> None:

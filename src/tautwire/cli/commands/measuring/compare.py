@@ -14,9 +14,9 @@ from tautwire.assessment.limits import load_limits
 from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
 from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
@@ -194,10 +194,7 @@ def _write_files(
             content = overlay_csv(compared)
             name = "forces.csv" if number == 1 else f"forces-{number}.csv"
             files.write(name, lambda path, content=content: write_text(path, content))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), facts(files.written.items()))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def overlay_csv(compared: MeasurementComparison) -> str:
