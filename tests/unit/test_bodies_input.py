@@ -134,4 +134,6 @@ def test_results_name_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     )  # fmt: skip
     titles = [getattr(block, "summary", "") for block in line_section([view]).blocks]
     assert "Bodies in the line of wires" in titles
-    assert "bodies" in [trace.name for trace in line_figure(view).data]
+    assert "bodies" in [
+        trace.name for trace in line_figure(view.run.case, view.run.equilibrium, 1).data
+    ]

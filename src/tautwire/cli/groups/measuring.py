@@ -161,18 +161,10 @@ def compare(
         from tautwire.cli.commands.measuring.compare import ComparisonRequest, compare_runs
         from tautwire.cli.commands.measuring.measured import RecordingRequest
 
-        reading = RecordingRequest(
-            Path(), mapping, speed, tuple(strip_mass or ()), filtered
-        )  # the path is that of each recording
-        request = ComparisonRequest(
-            tuple(files),
-            reading,
-            tuple(pantograph or ()),
-            offset,
-            search,
-            limits,
-            project,
-        )
+        masses = tuple(strip_mass or ())  # the path is that of each recording
+        reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
+        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
 
