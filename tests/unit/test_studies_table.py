@@ -239,11 +239,11 @@ def test_largest_force_and_uplift_are_drawn(tmp_path: Path) -> None:
     found = fill(make_plan(axes), tmp_path, pantographs=2)
     drawn = {name: figure for name, figure, _ in usual_figures(found)}
     forces, uplift = drawn["extremes-speed"].data, drawn["uplift-speed"].data
-    assert [trace.name.split(",")[0] for trace in forces] == ["front", "front", "rear", "rear"]
+    assert [trace["name"].split(",")[0] for trace in forces] == ["front", "front", "rear", "rear"]
     largest = found["maximum"].values[:, 0, found.labels["filter"].index("sharp")]
-    assert list(forces[0].y) == pytest.approx(list(largest))
+    assert list(forces[0]["y"]) == pytest.approx(list(largest))
     assert len(uplift) == 1
-    assert list(uplift[0].y) == pytest.approx(list(1e3 * found["uplift_max"].values))
+    assert list(uplift[0]["y"]) == pytest.approx(list(1e3 * found["uplift_max"].values))
 
 
 def test_names_that_look_like_formulas(tmp_path: Path) -> None:

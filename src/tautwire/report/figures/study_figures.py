@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.parts.words import band as band_text
 from tautwire.studies.axes import SAMPLE, AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import StudyTable
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 
@@ -142,7 +140,7 @@ class Drawn:
     by_pantograph: bool = True
 
 
-def axis_figure(table: StudyTable, axis: AxisValues, name: str, drawn: Drawn) -> go.Figure:
+def axis_figure(table: StudyTable, axis: AxisValues, name: str, drawn: Drawn) -> Drawing:
     """Draw figures of the cases over an axis, one curve per place on all others.
 
     Parameters
@@ -155,13 +153,11 @@ def axis_figure(table: StudyTable, axis: AxisValues, name: str, drawn: Drawn) ->
     drawn
         What is drawn.
     """
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
     x = np.array(values, dtype=float if axis.is_numeric else str)
     order = np.argsort(x, kind="stable") if axis.is_numeric else np.arange(x.size)
     found = groups(table, name, by_pantograph=drawn.by_pantograph)
-    figure = go.Figure(layout=style.layout(430, top=76))
+    figure = Drawing(style.layout(430, top=76))
     add = _add_curves if len(found) <= MOST_SERIES else _add_ranges
     add(figure, x, found, order, drawn)
     figure.update_layout(
@@ -179,7 +175,7 @@ def _scale(axis: AxisValues, x: Array) -> dict[str, Any]:
 
 
 def _add_curves(
-    figure: go.Figure, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
+    figure: Drawing, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
 ) -> None:
     """Add the curves of every group, in its colour."""
     for number, group in enumerate(found):
@@ -197,7 +193,7 @@ def _add_curves(
 
 
 def _add_ranges(
-    figure: go.Figure, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
+    figure: Drawing, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
 ) -> None:
     """Add mean and range over many groups."""
     for number, (key, words) in enumerate(drawn.curves.items()):
@@ -225,16 +221,14 @@ def _finite(reduce: Callable[..., Any], values: Array) -> Array:
     return np.where(empty, np.nan, reduce(filled, axis=0))
 
 
-def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def band_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw bars of the standard deviation per band and value of an axis, such as the mesh.
 
     With several combinations of the other axes, bars are their mean.
     """
-    import plotly.graph_objects as go
-
     found = groups(table, name)
     bands = [band for band in BAR_BANDS if band in table.labels[BAND]]
-    figure = go.Figure(layout=style.layout(400, top=76, barmode="group"))
+    figure = Drawing(style.layout(400, top=76, barmode="group"))
     _, values = readable_axis(axis)
     label = "NAD" if axis.path == MESH else axis.name.replace("_", " ")
     for at, value in enumerate(values):
@@ -253,18 +247,17 @@ def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def box_figure(table: StudyTable, name: str) -> go.Figure:
+def box_figure(table: StudyTable, name: str) -> Drawing:
     """Draw the spread of the standard deviation over seeds or samples, one box per cut-off."""
-    import plotly.graph_objects as go
-
     found = groups(table, name)
-    figure = go.Figure(layout=style.layout(400, top=76, boxmode="group"))
+    figure = Drawing(style.layout(400, top=76, boxmode="group"))
     figure.update_layout(hovermode="closest")
     for number, cutoff in enumerate(CUTOFFS):
         x = [group.label or "all cases" for group in found for _ in group.values[cutoff]]
         y = np.concatenate([group.values[cutoff] for group in found])
         kept = np.isfinite(y)
-        figure.add_box(
+        figure.add(
+            "box",
             x=[label for label, is_kept in zip(x, kept, strict=True) if is_kept],
             y=y[kept],
             name=cutoff_text(cutoff),
@@ -281,12 +274,10 @@ def box_figure(table: StudyTable, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw the standard deviation of every sample over one of the drawn values."""
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
-    figure = go.Figure(layout=style.layout(400, top=76))
+    figure = Drawing(style.layout(400, top=76))
     figure.update_layout(hovermode="closest")
     found = groups(table, name)
     for number, cutoff in enumerate(CUTOFFS):
@@ -305,7 +296,7 @@ def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
+def usual_figures(table: StudyTable) -> Iterator[tuple[str, Drawing, str]]:
     """Yield name, figure and caption of the figures that suit the axes of a study."""
     if not groups(table, table.names[0]):
         return
@@ -326,7 +317,7 @@ def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
 
 def _axis_figures(
     table: StudyTable, axis: AxisValues, dimension: Dimension
-) -> Iterator[tuple[str, go.Figure, str]]:
+) -> Iterator[tuple[str, Drawing, str]]:
     if axis.path == SEED:
         return
     words = axis.name.replace("_", " ")
