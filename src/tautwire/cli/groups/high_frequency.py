@@ -10,6 +10,7 @@ import typer
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
+    ErrorOption,
     JsonOption,
     OutFolderOption,
     SetOption,
@@ -114,6 +115,7 @@ def study(
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="With --resume: compute failed cases again.")
     ] = False,
+    error: ErrorOption = None,
     out: OutFolderOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
@@ -128,7 +130,7 @@ def study(
 
         part = WHOLE if shard is None else Shard.parse(shard)
         options = Options(resume or retry_failed, retry_failed, shard=part)
-        run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out))
+        run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out, error))
 
 
 def advise(
