@@ -83,8 +83,7 @@ def study(
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers",
-            metavar="N",
+            "--workers", metavar="N",
             help="Worker processes on this machine; one per core by default.",
             show_default=False,
         ),
@@ -92,8 +91,7 @@ def study(
     cluster: Annotated[
         str | None,
         typer.Option(
-            "--cluster",
-            metavar="ADDRESS",
+            "--cluster", metavar="ADDRESS",
             help='Compute on a Dask cluster, as in "tls://host:8786". On tcp:// whoever reaches '
             "the scheduler can run code on it.",
             show_default=False,
@@ -102,8 +100,7 @@ def study(
     tls: Annotated[
         Path | None,
         typer.Option(
-            "--tls",
-            metavar="DIR",
+            "--tls", metavar="DIR",
             help="Certificates for tls://: ca.pem, cert.pem, key.pem.",
             show_default=False,
         ),
@@ -111,8 +108,7 @@ def study(
     shard: Annotated[
         str | None,
         typer.Option(
-            "--shard",
-            metavar="I/N",
+            "--shard", metavar="I/N",
             help="Compute part I of N only, for job arrays; all parts share one folder.",
             show_default=False,
         ),
