@@ -129,7 +129,8 @@ def _completed(workbook: Workbook, said: dict[str, Any], tables: LineTables) -> 
         rows = [usual_positions(span) for span in lengths]
         tables.values["droppers"] = {"positions": rows, "presag": _presag(wish, lengths, rows)}
         tables.notes.append(f"{workbook.path}: no table of droppers; they are placed by rule")
-    elif lengths and _lacks_presag(droppers := tables.values.get("droppers")):
+    elif lengths and _lacks_presag(tables.values.get("droppers")):
+        droppers = tables.values["droppers"]
         droppers["presag"] = _presag(wish, lengths, droppers["positions"])
         tables.notes.append(
             f"{workbook.path}: the table of droppers has neither lengths nor pre-sag; a pre-sag by "
