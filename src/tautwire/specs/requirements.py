@@ -162,7 +162,7 @@ def check_gauge(
         listed = ", ".join(names) if names else "none; describe them under 'conditions'"
         text = f"got {gauge.condition!r}; the conditions are: {listed}"
         return [Problem(("requirements", "gauge", "condition"), text)]
-    return list(missing_numbers(gauge.state(conditions, "left"), wires, droppers))
+    return missing_numbers([gauge.state(conditions, "left")], wires, droppers)
 
 
 def check_requirements(line: Line, requirements: Requirements) -> list[Problem]:

@@ -12,7 +12,7 @@ from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.closures import Held
-from tautwire.line.labels import place
+from tautwire.line.labels import named_arms, place
 from tautwire.line.pieces import GivenHeight, GivenLength
 from tautwire.model.build import Model
 from tautwire.model.mesh import Mesh
@@ -356,7 +356,7 @@ def _joint_pulls(model: Model, form: Form) -> Array:
 
 def _refuse_bad_arms(model: Model, held: Held) -> None:
     """Raise when a steady arm would push or has nothing to hold."""
-    faults = []
+    faults: list[tuple[str, str]] = []
     for i in np.flatnonzero(~np.isnan(held.force)):
         piece, force = model.line.registrations[i], float(held.force[i])
         lateral = abs(force * np.cos(held.angle[i]))
@@ -367,13 +367,13 @@ def _refuse_bad_arms(model: Model, held: Held) -> None:
             if force < 0.0
             else f"pulls sideways with only {lateral:.1f} N"
         )
-        faults.append(
-            f"the steady arm at {place(piece.label, piece.at.s)}, {what}; "
-            "give the contact wire more stagger there (supports.contact_stagger), put the arm's "
-            "far end on the other side, or use closure 'spring'"
-        )
+        faults.append((place(piece.label, piece.at.s), what))
     if faults:
-        raise ModelError("\n".join(faults))
+        raise ModelError(
+            f"{named_arms(faults)}; give the contact wire more stagger there "
+            "(supports.contact_stagger), put the arm's far end on the other side, or use closure "
+            "'spring'"
+        )
 
 
 def _weight(model: Model, form: Form) -> float:

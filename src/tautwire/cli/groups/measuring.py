@@ -228,6 +228,13 @@ def rank(
             show_default=False,
         ),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="N", help="Processes; one per core by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -243,4 +250,4 @@ def rank(
     with answering(as_json) as answer:
         from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
-        show_ranking(answer, RankRequest(case, built, set_ or [], least), out)
+        show_ranking(answer, RankRequest(case, built, set_ or [], least, workers), out)
