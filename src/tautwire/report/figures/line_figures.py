@@ -101,8 +101,8 @@ def _add_stays(figure: go.Figure, shape: Equilibrium, stays: Sequence[WireStay])
     far = np.array([stay.end for stay in stays])
     far[:, 0] += [stay.at.s for stay in stays]
     for row, axis, scale in ((1, 2, 1.0), (3, 1, 1e3)):
-        ends = ((at[:, 0], scale * at[:, axis]) for at in (on_wire, far))
-        _add_segments(figure, *ends, "stays", row)
+        begin, end = ((at[:, 0], scale * at[:, axis]) for at in (on_wire, far))
+        _add_segments(figure, begin, end, "stays", row)
 
 
 def _add_bodies(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]) -> None:
