@@ -55,6 +55,8 @@ def test_folder_of_another_run_is_refused(invoke: Invoke) -> None:
         "static.nc",
         "static.json",
         "line.xlsx",
+        "workshop.xlsx",
+        "static.html",
         "droppers.csv",
         "elasticity.csv",
         "supports.csv",

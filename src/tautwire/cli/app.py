@@ -173,25 +173,36 @@ def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption =
         check_case(answer, case, overrides or [])
 
 
+def _reports(*, html: bool, pdf: bool) -> tuple[str, ...]:
+    return tuple(kind for kind, is_wanted in (("html", html), ("pdf", pdf)) if is_wanted)
+
+
 @app.command()
 def static(
     case: CaseArgument,
     overrides: SetOption = None,
     condition: ConditionOption = None,
     out: OutFolderOption = None,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Do not write the HTML page.")
+    ] = False,
+    project: ProjectOption = None,
+    pdf: PdfOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the static shape: heights, dropper lengths and forces, elasticity.
 
     The conditions of the case stand side by side, unless --condition names one. With --out the
-    dropper table, the elasticity and the static state are written as files, and a page of the
-    conditions.
+    files are written: a page of the static line and one of the conditions, dropper table, workshop
+    sheet, the case as a workbook, the static state.
     """
     with answering(as_json) as answer:
         from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, StaticRequest(case, with_condition(overrides, condition), out, force))
+        written = _reports(html=not no_report, pdf=pdf)
+        values = with_condition(overrides, condition)
+        find_static(answer, StaticRequest(case, values, out, force, written, project))
 
 
 @app.command()
@@ -221,9 +232,7 @@ def run(
         from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
         asked = criteria_of(system, free_uplift, limits)
-        written = tuple(
-            kind for kind, is_wanted in (("html", not no_report), ("pdf", pdf)) if is_wanted
-        )
+        written = _reports(html=not no_report, pdf=pdf)
         values = with_error(with_condition(overrides, condition), error)
         request = RunRequest(case, values, out, asked, written, force, project)
         run_passage(answer, request)

@@ -19,7 +19,7 @@ RESULTS = (
     "run.nc", "results.json", "report.html", "report.pdf", "force.csv", "force-*.csv",
     "droppers.csv", "static.nc", "static.json", "elasticity.csv", "supports.csv", "tensions.csv",
     "installation.csv", "lateral.csv", "design.csv", "conditions.csv", "conditions.html",
-    "line.xlsx",
+    "line.xlsx", "workshop.xlsx", "static.html", "static.pdf",
 )  # fmt: skip
 """Files of one run, or of one static state; a folder holds those of one of them."""
 

@@ -20,6 +20,7 @@ from tautwire.specs.line.support import Supports
 from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
+from tautwire.specs.line.workshop import Workshop
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.project import Project
 from tautwire.specs.requirements import Requirements
@@ -28,7 +29,7 @@ from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
 from tautwire.text import Told
 
-UNHASHED = ("project", "limits")
+UNHASHED = ("project", "limits", "workshop")
 """Keys that change no number of a result and are left out of its hash."""
 MOST_LIMITS = 200_000
 """Letters of a file of limits, which stands in every result: that of the package has 15 kB."""
@@ -127,6 +128,10 @@ class Case(Told, Spec):
         default=Requirements(),
         description="What the line has to keep in its design and in all conditions; nothing if "
         "left out.",
+    )
+    workshop: Workshop = Field(
+        default=Workshop(),
+        description="How droppers are cut and counted; it changes no result of the line.",
     )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(

@@ -92,6 +92,30 @@ def find_design(model: Model) -> Equilibrium:
     return _equilibrium(model, form, iterations)
 
 
+def find_cut(model: Model, lengths: Array) -> Equilibrium:
+    """Find the line as designed with droppers of other lengths.
+
+    Parameters
+    ----------
+    model
+        The line.
+    lengths : (n_dropper,) m
+        Unstrained; droppers that would have to push are slack.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        When Newton's iteration fails or the slack droppers do not settle.
+    """
+    design, spent = solve_design(model)
+    _, form, more = with_slack(with_lengths(model, design, lengths))
+    return _equilibrium(model, form, spent + more)
+
+
 def solve_design(model: Model) -> tuple[Form, int]:
     """Find the shape with the heights and lengths that are given."""
     given = [h.given for h in model.line.hangers if isinstance(h.given, GivenLength)]

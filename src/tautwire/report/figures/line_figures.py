@@ -15,7 +15,8 @@ from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_place, stays_of
 from tautwire.report.parts.views import RunView
 from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
-from tautwire.results.run import Run
+from tautwire.specs.case import Case
+from tautwire.specs.line.catenary import Line
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -25,21 +26,29 @@ MESSENGER = "#6a7683"
 DROPPER = "#9aa5b0"
 
 
-def line_figure(view: RunView) -> go.Figure:
-    """Draw the static line: side view, sag of the contact wire below its supports, plan view."""
+def line_figure(case: Case, shape: Equilibrium, first: int) -> go.Figure:
+    """Draw the static line: side view, sag of the contact wire below its supports, plan view.
+
+    Parameters
+    ----------
+    case
+    shape
+    first
+        Span from 1 at which it opens.
+    """
     from plotly.subplots import make_subplots
 
     figure = make_subplots(
         rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
     )
-    shape, marks = view.run.equilibrium, view.run.case.line.support_marks()
-    _add_side_view(figure, shape, bodies_of(view.run.case))
+    marks = case.line.support_marks()
+    _add_side_view(figure, shape, bodies_of(case))
     _add_sag(figure, shape)
     _add_plan(figure, shape)
-    _add_stays(figure, shape, stays_of(view.run.case))
+    _add_stays(figure, shape, stays_of(case))
     figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
-    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(shape, first)))
     figure.update_xaxes(
         ticktext=[f"{n}<br>{p:g} m" for n, p in zip(marks, shape.mast_x.round(2), strict=True)],
         showticklabels=True,
@@ -53,9 +62,9 @@ def line_figure(view: RunView) -> go.Figure:
     return figure
 
 
-def _opening(view: RunView) -> list[float]:
+def _opening(shape: Equilibrium, first: int) -> list[float]:
     """Return the first three spans of the section."""
-    x, first = view.run.equilibrium.mast_x, view.statistics.section.first_span
+    x = shape.mast_x
     last = min(first + 2, x.size - 1)
     margin = 0.03 * (x[last] - x[first - 1])
     return [float(x[first - 1] - margin), float(x[last] + margin)]
@@ -427,14 +436,16 @@ def _add_droppers(
     )
 
 
-def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) -> go.Figure:
+def elasticity_figure(
+    elasticities: Sequence[tuple[str, Elasticity]], line: Line, shape: Equilibrium
+) -> go.Figure:
     """Draw the elasticity over position, of one or several lines.
 
     Parameters
     ----------
     elasticities : sequence of (label, Elasticity)
-    run : Run
-        Gives the positions of the supports.
+    line, shape
+        Give names and positions of the supports.
     """
     import plotly.graph_objects as go
 
@@ -463,12 +474,12 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
             text=[names[i] for i in order],
             hovertemplate="%{text}: %{y:.4f} mm/N<extra></extra>",
         )
-    inside = run.equilibrium.mast_x
+    inside = shape.mast_x
     figure.update_layout(
         xaxis=style.axis(
             "support",
             tickvals=inside,
-            ticktext=run.case.line.support_marks(),
+            ticktext=line.support_marks(),
             gridcolor=style.SUPPORT,
         ),
         yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),

@@ -73,7 +73,11 @@ class RunPlots:
 
     def line(self) -> go.Figure:
         """Draw the static line: side view, sag and plan."""
-        return line_figures.line_figure(self._view)
+        return line_figures.line_figure(
+            self._view.run.case,
+            self._view.run.equilibrium,
+            self._view.statistics.section.first_span,
+        )
 
     def uplift(self) -> go.Figure:
         """Draw the largest uplift at every support of the analysed section."""

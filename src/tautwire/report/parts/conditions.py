@@ -37,7 +37,7 @@ def conditions_section(views: Sequence[RunView]) -> Section:
         )
     )
     for view in views:
-        blocks += _input_blocks(view, many=len(views) > 1)
+        blocks += input_blocks(view.run.case, view.label if len(views) > 1 else "")
     tables = (_cost_table(views), _provenance_table(views))
     blocks.append(Heading("Cost and provenance"))
     blocks += [Columns(tables)] if len(views) == 1 else tables
@@ -185,9 +185,8 @@ def _plain(value: Any) -> str:
     return ", ".join(shown) + (f", … {counted(rest, 'more value')}" if rest > 0 else "")
 
 
-def _input_blocks(view: RunView, *, many: bool) -> list[object]:
-    """Write inputs and sources of one run, folded away."""
-    case = view.run.case
+def input_blocks(case: Case, label: str = "") -> list[object]:
+    """Write inputs and sources of one case, folded away; of several, each with its label."""
     paths = [source.path for source in case.sources]
     groups = _grouped(case.sources)
     marks = {path: n for n, (_, _, members) in enumerate(groups, 1) for path in members}
@@ -206,12 +205,12 @@ def _input_blocks(view: RunView, *, many: bool) -> list[object]:
             for n, (text, confidence, members) in enumerate(groups, 1)
         ),
     )
-    name = f"{view.label}: inputs" if many else "All inputs"
+    name = f"{label}: inputs" if label else "All inputs"
     blocks: list[object] = [Details(f"{name} ({len(rows)} values)", (inputs,))]
     if not case.sources:
         blocks.append(Text("The case names no sources for its values.", "note"))
-    elif many:
-        blocks.append(Details(f"{view.label}: sources", (listed,)))
+    elif label:
+        blocks.append(Details(f"{label}: sources", (listed,)))
     else:
         blocks.insert(0, listed)
     return blocks

@@ -63,7 +63,7 @@ def line_section(views: Sequence[RunView]) -> Section:
     blocks: list[object] = [
         chart(
             "line",
-            line_figures.line_figure(view),
+            line_figures.line_figure(view.run.case, shape, view.statistics.section.first_span),
             "Static line: side view; sag of the contact wire below the straight line between its "
             f"supports (pre-sag at the droppers); plan view with stagger. {exaggerated}{which}",
             "Side view, sag and plan view of the static line with droppers and steady arms.",
@@ -73,7 +73,7 @@ def line_section(views: Sequence[RunView]) -> Section:
     ]
     if shape.arm_supports.size:
         blocks.append(
-            Details("Steady arms: forces and inclination", (_arm_table(view.run.case.line, shape),))
+            Details("Steady arms: forces and inclination", (arm_table(view.run.case.line, shape),))
         )
     if rows := body_rows(view.run.case, shape):
         blocks.append(Details("Bodies in the line of wires", (_body_table(rows),)))
@@ -111,12 +111,18 @@ def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
 
 
 def position_buttons(view: RunView) -> tuple[Button, ...]:
-    """Return buttons for the section, the whole line and two spans of its middle."""
-    x, part = view.run.equilibrium.mast_x, view.statistics.section
-    middle = (part.first_span + part.last_span) // 2
+    """Return buttons for the section of a run, its whole line and two spans of its middle."""
+    part = view.statistics.section
+    return spans_buttons(view.run.equilibrium, part.first_span, part.last_span)
+
+
+def spans_buttons(shape: Equilibrium, first: int, last: int) -> tuple[Button, ...]:
+    """Return buttons for the spans from first to last, the whole line and two spans between."""
+    x, middle = shape.mast_x, (first + last) // 2
     ends = (float(x[0]), float(x[-1]))
     two = (float(x[middle - 1]), float(x[min(middle + 1, x.size - 1)]))
-    ranges = {"analysed section": view.section, "whole line": ends, "two spans": two}
+    section = (float(x[first - 1]), float(x[last]))
+    ranges = {"analysed section": section, "whole line": ends, "two spans": two}
     buttons = []
     for label, (low, high) in ranges.items():
         margin = 0.02 * (high - low)
@@ -150,7 +156,8 @@ def dropper_table(shape: Equilibrium) -> Table:
     )  # fmt: skip
 
 
-def _arm_table(line: Line, shape: Equilibrium) -> Table:
+def arm_table(line: Line, shape: Equilibrium) -> Table:
+    """List the steady arms of the static line."""
     held = shape.arm_supports - 1
     rows = [
         (
@@ -376,7 +383,7 @@ def elasticity_section(views: Sequence[RunView]) -> Section:
     case = views[0].run.case
     block = chart(
         "elasticity",
-        line_figures.elasticity_figure(given, views[0].run),
+        line_figures.elasticity_figure(given, case.line, views[0].run.equilibrium),
         f"Static uplift per vertical force, under {listing(forces)}, at supports (squares), "
         f"droppers (circles) and between (crosses). Non-uniformity (max − min)/(max + min): "
         f"{uneven}. Ends {case.line.ends.left}/{case.line.ends.right}, closure "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,22 +36,35 @@ def dropper_table_csv(equilibrium: Equilibrium, case: Case) -> str:
         left and x along the line, unstrained and stretched length, force, height of the wire below;
         the table of droppers of a case may be such a file.
     """
-    line, shape = case.line, equilibrium
-    spans = shape.dropper_span.tolist()
-    columns: dict[str, Sequence[object]] = {"span": spans, "dropper": shape.dropper_number.tolist()}
-    if line.masts is not None:
-        columns["mast"] = [line.masts[span - 1] for span in spans]
-    columns |= _wires_of_droppers(shape, case)
-    starts = shape.mast_x[shape.dropper_span - 1]
-    columns["position [m]"] = _texts(shape.dropper_x - starts, 6)
-    columns["x [m]"] = _texts(shape.dropper_x, 4)
-    if line.chainage is not None:
-        columns["chainage [m]"] = [f"{line.chainage_at(x):.4f}" for x in shape.dropper_x.tolist()]
+    shape = equilibrium
+    columns: dict[str, Sequence[object]] = {**places_of_droppers(shape, case)}
+    for name, digits in (("position [m]", 6), ("x [m]", 4), ("chainage [m]", 4)):
+        if name in columns:
+            columns[name] = _texts(np.array(columns[name]), digits)
     columns["unstrained length [m]"] = _texts(shape.dropper_lengths_unstrained, 6)
     columns["stretched length [m]"] = _texts(shape.dropper_lengths, 6)
     columns["force [N]"] = _texts(shape.dropper_forces, 4)
     columns["contact wire height [m]"] = _texts(shape.dropper_heights, 6)
     return csv_text(tuple(columns), zip(*columns.values(), strict=True))
+
+
+def places_of_droppers(shape: Equilibrium, case: Case) -> dict[str, list[Any]]:
+    """Return where droppers hang, by headings from which a table of droppers is read.
+
+    Span and number, mast on the left, tension length and wires where there are several, position
+    from the support on the left and along the line, chainage.
+    """
+    line, spans = case.line, shape.dropper_span.tolist()
+    columns: dict[str, list[Any]] = {"span": spans, "dropper": shape.dropper_number.tolist()}
+    if line.masts is not None:
+        columns["mast"] = [line.masts[span - 1] for span in spans]
+    columns |= _wires_of_droppers(shape, case)
+    starts = shape.mast_x[shape.dropper_span - 1]
+    columns["position [m]"] = np.round(shape.dropper_x - starts, 6).tolist()
+    columns["x [m]"] = shape.dropper_x.tolist()
+    if line.chainage is not None:
+        columns["chainage [m]"] = [line.chainage_at(x) for x in shape.dropper_x.tolist()]
+    return columns
 
 
 def _wires_of_droppers(shape: Equilibrium, case: Case) -> dict[str, list[str]]:
