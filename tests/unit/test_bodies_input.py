@@ -137,5 +137,5 @@ def test_results_name_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     titles = [getattr(block, "summary", "") for block in line_section([view]).blocks]
     assert {"Bodies in the line of wires", "Stays"} <= set(titles)
     assert stay_rows(run.case, run.equilibrium)[0][:3] == ("tie", "contact", "85.000")
-    figure = line_figure(run.case, run.equilibrium, 1)
+    figure = line_figure(run.case, run.equilibrium, 1).to_figure()
     assert {"bodies", "stays"} <= {trace.name for trace in figure.data}

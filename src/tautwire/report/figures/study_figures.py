@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.parts.words import band as band_text
 from tautwire.studies.axes import SAMPLE, AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import StudyTable
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 
@@ -111,7 +109,7 @@ def _place(dimension: Dimension, at: int) -> str:
     return ", ".join(words)
 
 
-def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw standard deviations to 20 Hz, to the advised cut-off and to 200 Hz over an axis.
 
     Parameters
@@ -122,13 +120,11 @@ def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figur
     name
         Name of its dimension.
     """
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
     order = np.argsort(np.array(values, dtype=float), kind="stable")
     x = np.array(values, dtype=float)[order]
     found = groups(table, name)
-    figure = go.Figure(layout=style.layout(430, top=76))
+    figure = Drawing(style.layout(430, top=76))
     if len(found) <= MOST_SERIES:
         for number, group in enumerate(found):
             _add_curves(figure, x, {b: group.values[b][order] for b in CUTOFFS}, group, number)
@@ -146,7 +142,7 @@ def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figur
 
 
 def _add_curves(
-    figure: go.Figure, x: Array, values: dict[str, Array], group: Group, number: int
+    figure: Drawing, x: Array, values: dict[str, Array], group: Group, number: int
 ) -> None:
     """Add one curve per cut-off, in the colour of the group."""
     look = style.look(number)
@@ -162,7 +158,7 @@ def _add_curves(
         )
 
 
-def _add_ranges(figure: go.Figure, x: Array, found: Sequence[Group], order: Any) -> None:
+def _add_ranges(figure: Drawing, x: Array, found: Sequence[Group], order: Any) -> None:
     """Add mean and range over many groups, per cut-off."""
     for number, cutoff in enumerate(CUTOFFS):
         every = np.array([group.values[cutoff][order] for group in found])
@@ -189,16 +185,14 @@ def _finite(reduce: Callable[..., Any], values: Array) -> Array:
     return np.where(empty, np.nan, reduce(filled, axis=0))
 
 
-def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def band_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw bars of the standard deviation per band and value of an axis, such as the mesh.
 
     With several combinations of the other axes, bars are their mean.
     """
-    import plotly.graph_objects as go
-
     found = groups(table, name)
     bands = [band for band in BAR_BANDS if band in table.labels[BAND]]
-    figure = go.Figure(layout=style.layout(400, top=76, barmode="group"))
+    figure = Drawing(style.layout(400, top=76, barmode="group"))
     _, values = readable_axis(axis)
     label = "NAD" if axis.path == MESH else axis.name.replace("_", " ")
     for at, value in enumerate(values):
@@ -217,18 +211,17 @@ def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def box_figure(table: StudyTable, name: str) -> go.Figure:
+def box_figure(table: StudyTable, name: str) -> Drawing:
     """Draw the spread of the standard deviation over seeds or samples, one box per cut-off."""
-    import plotly.graph_objects as go
-
     found = groups(table, name)
-    figure = go.Figure(layout=style.layout(400, top=76, boxmode="group"))
+    figure = Drawing(style.layout(400, top=76, boxmode="group"))
     figure.update_layout(hovermode="closest")
     for number, cutoff in enumerate(CUTOFFS):
         x = [group.label or "all cases" for group in found for _ in group.values[cutoff]]
         y = np.concatenate([group.values[cutoff] for group in found])
         kept = np.isfinite(y)
-        figure.add_box(
+        figure.add(
+            "box",
             x=[label for label, is_kept in zip(x, kept, strict=True) if is_kept],
             y=y[kept],
             name=cutoff_text(cutoff),
@@ -245,12 +238,10 @@ def box_figure(table: StudyTable, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw the standard deviation of every sample over one of the drawn values."""
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
-    figure = go.Figure(layout=style.layout(400, top=76))
+    figure = Drawing(style.layout(400, top=76))
     figure.update_layout(hovermode="closest")
     found = groups(table, name)
     for number, cutoff in enumerate(CUTOFFS):
@@ -269,7 +260,7 @@ def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
+def usual_figures(table: StudyTable) -> Iterator[tuple[str, Drawing, str]]:
     """Yield name, figure and caption of the figures that suit the axes of a study."""
     if not groups(table, table.names[0]):
         return
@@ -290,7 +281,7 @@ def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
 
 def _axis_figures(
     table: StudyTable, axis: AxisValues, dimension: Dimension
-) -> Iterator[tuple[str, go.Figure, str]]:
+) -> Iterator[tuple[str, Drawing, str]]:
     if axis.path == SEED:
         return
     words = axis.name.replace("_", " ")
