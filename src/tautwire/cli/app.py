@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
+from tautwire.cli.groups.workflow import in_order_of_work
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
@@ -37,7 +38,6 @@ _UsageError: Any = typer.BadParameter.__base__
 app = typer.Typer(
     name="tautwire",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 done, 1 computation failed or stopped, 2 input refused, "
@@ -389,7 +389,6 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
         answer.document.update(case_json_schema())
 
 
-measuring.register(app)
-high_frequency.register(app)
-design.register(app)
-own_line.register(app)
+for group in (measuring, high_frequency, design, own_line):
+    group.register(app)
+in_order_of_work(app)
