@@ -109,7 +109,8 @@ def _cell(verdict: str) -> Verdict | str:
     outcomes = {"met": "passed", "missed": "failed"}
     if not verdict or verdict == "not judged":
         return verdict
-    return Verdict(verdict, outcomes.get(verdict, "unverified"))
+    words = verdict.replace("unverified", "tolerance not checked against the standard")
+    return Verdict(words, outcomes.get(verdict, "unverified"))
 
 
 def _force_blocks(run: Run, one: MeasurementComparison, suffix: str) -> tuple[object, ...]:
