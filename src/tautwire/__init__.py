@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
     from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.report.layout_plan.plan import layout_plan
     from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
     from tautwire.results.run import Run
@@ -79,6 +80,7 @@ __all__ = [
     "elasticity",
     "find_shape",
     "iterate",
+    "layout_plan",
     "load_case",
     "load_equilibrium",
     "load_recording",
@@ -122,6 +124,7 @@ _HOMES = {
     "elasticity": "tautwire.analyses.road.elasticity",
     "find_shape": "tautwire.analyses.road.shape",
     "iterate": "tautwire.analyses.road.dynamics",
+    "layout_plan": "tautwire.report.layout_plan.plan",
     "load_case": "tautwire.inputs.load",
     "load_equilibrium": "tautwire.results.storage",
     "load_recording": "tautwire.inputs.reading.recording",

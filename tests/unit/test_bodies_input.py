@@ -135,5 +135,5 @@ def test_results_name_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     titles = [getattr(block, "summary", "") for block in line_section([view]).blocks]
     assert "Bodies in the line of wires" in titles
     assert "bodies" in [
-        trace.name for trace in line_figure(view.run.case, view.run.equilibrium, 1).data
+        trace.name for trace in line_figure(view.run.case, view.run.equilibrium, 1).to_figure().data
     ]

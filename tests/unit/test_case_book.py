@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -184,3 +186,89 @@ def test_library_case_as_a_workbook(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert openpyxl.load_workbook(path).sheetnames[:2] == ["supports", "droppers"]
     assert run_command_line(["cases", "ac-simple", "--copy", str(path)]) == 2
     assert "exists already" in capsys.readouterr().err
+
+
+def edited(tmp_path: Path, change: Callable[[Any], None]) -> Path:
+    """Return a workbook of masts, droppers and wires that somebody has changed."""
+    droppers: list[list[Any]] = [["Mast", "Dropper", "Distance from mast [m]", "Length [mm]"]]
+    for i, span in enumerate(SPANS):
+        droppers += [
+            [f"4/{8 + i}" if k == 0 else None, k + 1, span * (k + 1) / 5, 1000] for k in range(4)
+        ]
+    path = workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Droppers=droppers, Wires=WIRES)
+    book = openpyxl.load_workbook(path)
+    change(book)
+    book.save(path)
+    return path
+
+
+def _each(book: Any, column: str, write: Callable[[float, int], Any]) -> None:
+    """Write the cells of a column of the masts anew from chainage or stagger and number."""
+    for i in range(len(SPANS) + 1):
+        value = 12300.0 + sum(SPANS[:i]) if column == "B" else 200.0 * (-1) ** i
+        book["Masts"][f"{column}{i + 4}"] = write(value, i)
+
+
+def _total(book: Any) -> None:
+    book["Masts"].append(["Summe", None, None, None, sum(SPANS)])
+
+
+def _formula(book: Any) -> None:
+    book["Masts"]["C5"] = "=-C4"
+
+
+def _date(book: Any) -> None:
+    book["Masts"]["A4"] = datetime(2026, 4, 9)
+
+
+def _double(book: Any) -> None:
+    book["Masts"]["A6"] = "4/9"
+
+
+def _german(value: float, _: int) -> str:
+    return f"{value:,.2f}".translate(str.maketrans(",.", ".,"))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda book: _each(book, "B", lambda v, _: f"km {v // 1000:.0f}+{v % 1000:07.3f}"),
+        lambda book: _each(book, "B", _german),
+        lambda book: _each(book, "B", lambda v, _: f"{v:,.2f}"),
+        lambda book: _each(book, "C", lambda v, _: f"{abs(v):g} {'L' if v > 0 else 'R'}"),
+        lambda book: _each(book, "C", lambda v, _: f"{abs(v):g} {'izq.' if v > 0 else 'der.'}"),
+        _total,
+        lambda book: book["Masts"].insert_rows(2),
+    ],
+    ids=["km", "german", "english", "sides", "lados", "total", "gap"],
+)
+def test_workbooks_as_people_write_them(change: Callable[[Any], None], tmp_path: Path) -> None:
+    """Kilometres before km+m, thousands in groups, sides as letters and rows of totals mean the
+    line that plain numbers mean."""
+    plain = load_case(edited(tmp_path, lambda _: None))
+    assert load_case(edited(tmp_path, change)) == plain
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (_formula, "cell C5 (Stagger [mm]): holds a formula without a value; open the workbook"),
+        (_date, "cell A4 (Mast no.): got the date 2026-04-09 00:00:00; format the column as text"),
+        (_double, "(Mast): got '4/9', a name that 2 supports have"),
+    ],
+    ids=["formula", "date", "double"],
+)
+def test_what_spreadsheets_do_is_told(
+    change: Callable[[Any], None], words: str, tmp_path: Path
+) -> None:
+    """A formula never calculated, a name that became a date, a name that stands twice."""
+    with pytest.raises(InputError) as caught:
+        load_case(edited(tmp_path, change))
+    assert words in "\n".join(caught.value.problems)
+
+
+def test_wire_that_is_unknown_names_the_workbook(tmp_path: Path) -> None:
+    """A wire type that the catalogue lacks is told with the file, not as part of 'case'."""
+    wires = [["Wire", "Type"], ["Contact wire", "Ri 99"]]
+    with pytest.raises(InputError, match=r"^.*v\.xlsx: wires\.contact\.use: the catalogue has no"):
+        load_case(workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Wires=wires))

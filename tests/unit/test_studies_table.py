@@ -233,6 +233,19 @@ def test_several_pantographs(tmp_path: Path) -> None:
     assert "rear.uplift_force [N]" in head
 
 
+def test_largest_force_and_uplift_are_drawn(tmp_path: Path) -> None:
+    """The largest force is drawn for every pantograph, the uplift once for all of them, in mm."""
+    axes = {"scenario.speed": ["250 km/h", "300 km/h"]}
+    found = fill(make_plan(axes), tmp_path, pantographs=2)
+    drawn = {name: figure for name, figure, _ in usual_figures(found)}
+    forces, uplift = drawn["extremes-speed"].data, drawn["uplift-speed"].data
+    assert [trace["name"].split(",")[0] for trace in forces] == ["front", "front", "rear", "rear"]
+    largest = found["maximum"].values[:, 0, found.labels["filter"].index("sharp")]
+    assert list(forces[0]["y"]) == pytest.approx(list(largest))
+    assert len(uplift) == 1
+    assert list(uplift[0]["y"]) == pytest.approx(list(1e3 * found["uplift_max"].values))
+
+
 def test_names_that_look_like_formulas(tmp_path: Path) -> None:
     """Variants whose names a spreadsheet would compute are written as texts, numbers as numbers."""
     base = {"schema": 1, "name": "s", "base": "ac-simple"}
@@ -274,7 +287,15 @@ def test_groups_follow_the_axes(table: StudyTable) -> None:
 @pytest.mark.parametrize(
     ("axes", "more", "figures"),
     [
-        (AXES, {}, ["over-speed", "over-contact_stiffness"]),
+        (
+            AXES,
+            {},
+            [
+                f"{what}-{axis}"
+                for axis in ("speed", "contact_stiffness")
+                for what in ("over", "extremes", "uplift")
+            ],
+        ),
         (
             {"settings.nodes_between_droppers": [9, 12], "settings.seed": {"seeds": 4}},
             {},
@@ -285,11 +306,15 @@ def test_groups_follow_the_axes(table: StudyTable) -> None:
             {"samples": 4},
             ["spread-sample", "samples-mass"],
         ),
-        ({"line.ends": ["anchored", "weighted"]}, {}, ["bands-ends"]),
+        (
+            {"line.ends": ["anchored", "weighted"]},
+            {},
+            ["bands-ends", "extremes-ends", "uplift-ends"],
+        ),
         (
             {"settings.seed": {"seeds": 10}, "scenario.speed": ["250 km/h", "300 km/h"]},
             {},
-            ["spread-seed", "over-speed"],
+            ["spread-seed", "over-speed", "extremes-speed", "uplift-speed"],
         ),
     ],
 )

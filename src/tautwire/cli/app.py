@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
+from tautwire.cli.groups.workflow import in_order_of_work
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
@@ -37,7 +38,6 @@ _UsageError: Any = typer.BadParameter.__base__
 app = typer.Typer(
     name="tautwire",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 done, 1 computation failed or stopped, 2 input refused, "
@@ -206,6 +206,52 @@ def static(
 
 
 @app.command()
+def draw(
+    case: CaseArgument,
+    overrides: SetOption = None,
+    condition: ConditionOption = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE",
+            help="File that ends in .svg, .pdf or .dxf; may be repeated. plan.svg by default.",
+            show_default=False,
+        ),
+    ] = None,
+    scale: Annotated[
+        str | None,
+        typer.Option(
+            "--scale", metavar="SCALE",
+            help="Of lengths and of heights, as in 1:500/1:50; by default 1:1000/1:100, or the "
+            "next larger at which all texts have room.",
+            show_default=False,
+        ),
+    ] = None,
+    paper: Annotated[
+        str | None,
+        typer.Option(
+            "--paper", metavar="SIZE",
+            help="A3, A2, A1, A0 or roll; by default the smallest that the plan fits on.",
+            show_default=False,
+        ),
+    ] = None,
+    project: ProjectOption = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Draw the layout plan: plan and elevation true to scale, droppers, values at the supports.
+
+    SVG and PDF have sheets with a title block (PDF needs the extra "pdf"); DXF has the line in one
+    strip, in metres along the track, on a layer for every kind of part (extra "dxf").
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.inputs.draw import DrawRequest, draw_plan
+
+        values = with_condition(overrides, condition)
+        files = out or [Path("plan.svg")]
+        draw_plan(answer, DrawRequest(case, values, files, scale, paper, project))
+
+
+@app.command()
 def run(
     case: CaseArgument,
     overrides: SetOption = None,
@@ -343,7 +389,6 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
         answer.document.update(case_json_schema())
 
 
-measuring.register(app)
-high_frequency.register(app)
-design.register(app)
-own_line.register(app)
+for group in (measuring, high_frequency, design, own_line):
+    group.register(app)
+in_order_of_work(app)

@@ -10,9 +10,19 @@ import typer
 
 from tautwire.text import DESIGN
 
+
+def _cases_that_begin(incomplete: str) -> list[str]:
+    """Return library cases for the completion of the shell, which adds files by itself."""
+    from tautwire.catalogue.entries import list_entries
+
+    entries = list_entries()
+    return [e.name for e in entries if e.kind == "case" and e.name.startswith(incomplete)]
+
+
 CaseArgument = Annotated[
     str,
     typer.Argument(
+        autocompletion=_cases_that_begin,
         metavar="CASE",
         help="Name of a library case, or a case file (YAML, TOML or JSON).",
         show_default=False,

@@ -123,16 +123,22 @@ def compose(name_or_path: str | Path) -> Composition:
     return composer.compose(document)
 
 
-def compose_data(data: Mapping[str, Any]) -> Composition:
+def compose_data(data: Mapping[str, Any], label: str = "case") -> Composition:
     """Put together a case given as plain data; what it includes is found where the program runs.
+
+    Parameters
+    ----------
+    data
+    label
+        Where they come from, in messages.
 
     Raises
     ------
     InputError
         When an include cannot be resolved.
     """
-    document = Document("case", "case", Path(), dict(data))
-    return _Composer(Composition("case"), Reach.of(Path())).compose(document)
+    document = Document(label, "case", Path(), dict(data))
+    return _Composer(Composition(label), Reach.of(Path())).compose(document)
 
 
 def find_document(reference: str | Path, folder: Path | None) -> Document:

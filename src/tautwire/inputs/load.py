@@ -80,8 +80,7 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
 
 def _compose_workbook(path: Path) -> Composition:
     data, tables = case_of(open_workbook(path))
-    composition = compose_data(data)
-    composition.label = str(path)
+    composition = compose_data(data, str(path))
     composition.cells |= cells_by_list(tables.origins)
     return composition
 

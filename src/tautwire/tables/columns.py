@@ -98,6 +98,12 @@ def sheet_names(kind: str) -> frozenset[str]:
     return frozenset() if entry is None else _headings(kind, entry)
 
 
+@lru_cache(maxsize=1)
+def total_words() -> frozenset[str]:
+    """Return what the first cell of a row of totals says, folded."""
+    return frozenset(map(folded, _content()["totals"]))
+
+
 def split_heading(heading: str) -> tuple[str, str]:
     """Return the words of a heading and the unit in its brackets."""
     match = _UNIT.search(heading)

@@ -223,8 +223,14 @@ def span_of_rows(rows: Rows, plan: LinePlan) -> list[int]:
     spans, last = [], ""
     for index, name in enumerate(names):
         last = name or last
-        if last not in plan.masts:
-            rows.complain(index, "mast", f"got {last!r}, which is not in the table of supports")
+        count = plan.masts.count(last)
+        if count != 1:
+            fault = (
+                "which is not in the table of supports"
+                if not count
+                else (f"a name that {count} supports have")
+            )
+            rows.complain(index, "mast", f"got {last!r}, {fault}")
             spans.append(1)
         else:
             spans.append(plan.masts.index(last) + 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -12,14 +13,14 @@ from tautwire.errors import InputError
 from tautwire.tables.columns import role_of
 from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
-from tautwire.tables.rows import Rows
+from tautwire.tables.rows import LATERAL, Rows
 from tautwire.tables.sheets import Cell
 
 Path = tuple[str | int, ...]
+_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
+"""What spreadsheets make of names such as 12/1."""
 APART = 0.1
 """Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
-_LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y")
-"""Columns that change their sign with the side on which they are positive."""
 SECTIONS = {
     "supports": ("line", "supports"),
     "droppers": ("droppers",),
@@ -77,6 +78,8 @@ def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
         except InputError as error:
             problems += error.problems
         problems += rows.listed_problems()
+        result.notes += [f"{rows.sheet.label}: row {number} sums up those above and is not read"
+                         for number in rows.totals]  # fmt: skip
     if problems:
         raise InputError(problems)
     return result
@@ -112,7 +115,7 @@ def _supports(rows: Rows, result: LineTables) -> None:
     supports: dict[str, Any] = {}
     for name in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger", "hinge"):
         if (values := rows.full(name)) is not None:
-            factor = sign if name in _LATERAL else 1.0
+            factor = sign if name in LATERAL else 1.0
             supports[name] = [factor * value + 0.0 for value in values]  # no -0.0
             for index in range(count):
                 result.origins["supports", name, index] = rows.place(index, name)
@@ -120,7 +123,7 @@ def _supports(rows: Rows, result: LineTables) -> None:
         supports["type"] = types
     for name in ("arm_end_y", "arm_end_z"):
         if (given := rows.numbers(name)) is not None and any(v is not None for v in given):
-            factor = sign if name in _LATERAL else 1.0
+            factor = sign if name in LATERAL else 1.0
             supports[name] = [None if v is None else factor * v + 0.0 for v in given]
     result.values |= {"line": line} | ({"supports": supports} if supports else {})
 
@@ -130,6 +133,10 @@ def _places(rows: Rows, result: LineTables) -> dict[str, Any]:
     places: dict[str, Any] = {}
     if (names := rows.texts("mast")) is not None:
         places["masts"] = [name or str(index + 1) for index, name in enumerate(names)]
+        for index, name in enumerate(names):
+            if name is not None and _DATE.match(name):
+                text = f"got the date {name}; format the column as text and write the name again"
+                rows.complain(index, "mast", text)
     use = rows.mapping.use("chainage")
     if use is not None and (along := rows.full("chainage")) is not None:
         if not use.unit and abs(along[-1] - along[0]) < len(along):

@@ -113,9 +113,11 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
         When two columns could be the same field: it is never guessed.
     """
     proposals = [match(sheet, kind, fields_of(kind), NEEDS[kind]) for kind in kinds]
-    found = [one for one in proposals if one is not None]
+    named = next((kind for kind in kinds if folded(sheet.name) in sheet_names(kind)), None)
+    found = [one for one in proposals if one is not None and named in (None, one.kind)]
     if not found:
-        _refuse_almost(sheet, kinds)
+        if named is not None:
+            _refuse_almost(sheet, named)
         return None
     best = max(found, key=lambda one: len(one.uses))
     if best.kind == RECORDING:
@@ -124,14 +126,11 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     return best
 
 
-def _refuse_almost(sheet: Sheet, kinds: Sequence[str]) -> None:
+def _refuse_almost(sheet: Sheet, kind: str) -> None:
     """Refuse a sheet that is named as a table of the line but lacks a column that it needs.
 
     Left aside it would be replaced by what the program chooses.
     """
-    kind = next((kind for kind in kinds if folded(sheet.name) in sheet_names(kind)), None)
-    if kind is None:
-        return
     top = range(min(HEADING_ROWS, len(sheet.rows)))
     row = max(top, key=lambda number: sum(isinstance(cell, str) for cell in sheet.rows[number]))
     headings = [str(cell) for cell in sheet.rows[row] if cell is not None]

@@ -22,6 +22,7 @@ from tautwire.cli.session import DONE, FAILED, Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.project import load_project
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
@@ -61,6 +62,8 @@ class StudyRequest:
         Their folder.
     options : Options
     out : Path or None
+    project : Path or None
+        File with the project block.
     """
 
     study: Path
@@ -69,11 +72,13 @@ class StudyRequest:
     certificates: Path | None
     options: Options
     out: Path | None
+    project: Path | None = None
 
 
 def run_study_file(answer: Answer, request: StudyRequest) -> None:
     """Run a study, show its outcome and write its files, also when it was stopped."""
     plan = plan_study(load_study(request.study))
+    project = plan.project if request.project is None else load_project(request.project)
     interrupts, begin = Interrupts(), time.perf_counter()
     wanted = request.out or _default_folder(plan)
     with prepared_folder(wanted) as folder, interrupts.handled():
@@ -93,7 +98,7 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
             else:
                 answer.show(*_view(found, watch.last, elapsed))
                 answer.warn(found.mixture().splitlines())
-                _write_files(answer, Files(folder), found, executor, plan.project)
+                _write_files(answer, Files(folder), found, executor, project)
             _refuse_failures(answer, found, watch.last)
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code

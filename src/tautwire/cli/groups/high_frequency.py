@@ -12,6 +12,7 @@ from tautwire.cli.options import (
     ConditionOption,
     JsonOption,
     OutFolderOption,
+    ProjectOption,
     SetOption,
     with_condition,
 )
@@ -36,7 +37,10 @@ def modes(
     near: Annotated[
         float | None,
         typer.Option(
-            "--near", metavar="HZ", help="Target frequency; 45 Hz by default.", show_default=False
+            "--near",
+            metavar="HZ",
+            help="Target frequency; the first modes by default.",
+            show_default=False,
         ),
     ] = None,
     count: Annotated[
@@ -56,14 +60,18 @@ def modes(
     overrides: SetOption = None,
     condition: ConditionOption = None,
     out: OutFolderOption = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find modes of vibration, ranked by the vertical motion of the contact wire."""
+    """Find modes of vibration: the first ones, or those near a frequency or of a wavelength.
+
+    Modes near a frequency are ranked by how much of them is vertical motion of the contact wire.
+    """
     with answering(as_json) as answer:
         from tautwire.cli.commands.modes import ModesRequest, find_modes
 
         changes = with_condition(overrides, condition)
-        request = ModesRequest(case, changes, near, count, wavelength, out)
+        request = ModesRequest(case, changes, near, count, wavelength, out, project)
         find_modes(answer, request)
 
 
@@ -115,6 +123,7 @@ def study(
         bool, typer.Option("--retry-failed", help="With --resume: compute failed cases again.")
     ] = False,
     out: OutFolderOption = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Compute a study: a base case with values that vary; one table and one report.
@@ -128,7 +137,8 @@ def study(
 
         part = WHOLE if shard is None else Shard.parse(shard)
         options = Options(resume or retry_failed, retry_failed, shard=part)
-        run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out))
+        request = StudyRequest(study_file, workers, cluster, tls, options, out, project)
+        run_study_file(answer, request)
 
 
 def advise(

@@ -7,7 +7,13 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import CaseArgument, JsonOption, LimitsOption, SetOption
+from tautwire.cli.options import (
+    CaseArgument,
+    JsonOption,
+    LimitsOption,
+    ProjectOption,
+    SetOption,
+)
 from tautwire.cli.session import answering
 
 
@@ -144,6 +150,7 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Compare runs with recordings, after EN 50318 and IEC 63453.
@@ -154,12 +161,10 @@ def compare(
         from tautwire.cli.commands.measuring.compare import ComparisonRequest, compare_runs
         from tautwire.cli.commands.measuring.measured import RecordingRequest
 
-        reading = RecordingRequest(
-            Path(), mapping, speed, tuple(strip_mass or ()), filtered
-        )  # the path is that of each recording
-        request = ComparisonRequest(
-            tuple(files), reading, tuple(pantograph or ()), offset, search, limits
-        )
+        masses = tuple(strip_mass or ())  # the path is that of each recording
+        reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
+        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
 

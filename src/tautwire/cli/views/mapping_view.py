@@ -45,14 +45,15 @@ def _keep(answer: Answer, workbook: Workbook) -> None:
 
 def announce_recording(answer: Answer, opened: RecordingFile) -> None:
     """Show how the columns of a recording are read, and keep the mapping where it was proposed."""
+    channels = [*opened.channels, *(one for rate in opened.others for one in rate.channels)]
     answer.document["mapping"] = {
         one.use.heading: {
             "field": one.use.field.name, "unit": unit_of(one), "strip": one.use.strip,
             "sensor": one.use.sensor,
         }
-        for one in opened.channels
+        for one in channels
     }  # fmt: skip
-    rows = [(one.use.heading, _meaning(one.use, unit_of(one))) for one in opened.channels]
+    rows = [(one.use.heading, _meaning(one.use, unit_of(one))) for one in channels]
     rows += [(name, "kept aside") for name in opened.mapping.aside]
     answer.show(heading("Columns"), facts(rows))
     if not opened.is_proposed:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.pieces import Body
+from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
@@ -18,15 +19,12 @@ from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
 from tautwire.specs.case import Case
 from tautwire.specs.line.catenary import Line
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
 Array = NDArray[np.float64]
 MESSENGER = "#6a7683"
 DROPPER = "#9aa5b0"
 
 
-def line_figure(case: Case, shape: Equilibrium, first: int) -> go.Figure:
+def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
     """Draw the static line: side view, sag of the contact wire below its supports, plan view.
 
     Parameters
@@ -36,11 +34,7 @@ def line_figure(case: Case, shape: Equilibrium, first: int) -> go.Figure:
     first
         Span from 1 at which it opens.
     """
-    from plotly.subplots import make_subplots
-
-    figure = make_subplots(
-        rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
-    )
+    figure = panels([0.46, 0.24, 0.30], gap=0.05)
     marks = case.line.support_marks()
     _add_side_view(figure, shape, bodies_of(case))
     _add_sag(figure, shape)
@@ -69,7 +63,7 @@ def _opening(shape: Equilibrium, first: int) -> list[float]:
     return [float(x[first - 1] - margin), float(x[last] + margin)]
 
 
-def _add_side_view(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]) -> None:
+def _add_side_view(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) -> None:
     top = _dropper_tops(shape)
     _add_segments(
         figure, (shape.dropper_x, top), (shape.dropper_x, shape.dropper_heights), "droppers", 1
@@ -101,7 +95,7 @@ def _add_side_view(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]
     _add_bodies(figure, shape, bodies)
 
 
-def _add_bodies(figure: go.Figure, shape: Equilibrium, bodies: Sequence[Body]) -> None:
+def _add_bodies(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) -> None:
     if not bodies:
         return
     ends = [body_heights(shape, body) for body in bodies]
@@ -153,7 +147,7 @@ def _group(wire: WireShape) -> str:
 
 
 def _add_wire(
-    figure: go.Figure, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
+    figure: Drawing, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
     group = _group(wire)
     figure.add_scatter(
@@ -171,7 +165,7 @@ def _add_wire(
 
 
 def _add_segments(
-    figure: go.Figure,
+    figure: Drawing,
     begins: tuple[Array, Array],
     ends: tuple[Array, Array],
     name: str,
@@ -194,7 +188,7 @@ def _add_segments(
     )
 
 
-def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_sag(figure: Drawing, shape: Equilibrium) -> None:
     for wire, line in _looks(shape):
         if wire.role != "contact":
             continue
@@ -217,7 +211,7 @@ def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
         )
 
 
-def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_plan(figure: Drawing, shape: Equilibrium) -> None:
     for wire, line in _looks(shape):
         _add_wire(figure, wire, 1e3 * wire.position[:, 1], line, row=3, text="y = %{y:.1f} mm")
     if shape.arm_supports.size:
@@ -231,13 +225,9 @@ def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
         _add_segments(figure, (foot_x, foot_y), ends, "steady arms", 3)
 
 
-def uplift_figure(views: Sequence[RunView]) -> go.Figure:
+def uplift_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the largest uplift of the contact wire at every support, pale outside the section."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(
-        layout=style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25)
-    )
+    figure = Drawing(style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25))
     for number, view in enumerate(views):
         inside = view.statistics.uplift
         uplift = view.run.equilibrium.by_mast(view.run.support_uplift)
@@ -271,11 +261,9 @@ def _every(view: RunView) -> int:
     return max(1, view.run.case.line.spans // 17)
 
 
-def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
+def uplift_history_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the uplift over time at the support of the section where it is largest."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(330, top=40))
+    figure = Drawing(style.layout(330, top=40))
     for number, view in enumerate(views):
         support = highest_support(view)
         if support is None or view.run.time.size < 2:
@@ -308,12 +296,10 @@ def highest_support(view: RunView) -> int | None:
     return int(uplift.supports[np.nanargmax(uplift.uplift)])
 
 
-def height_figure(views: Sequence[RunView]) -> go.Figure:
+def height_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the height of the contact wire at the pantographs beside its static height."""
-    import plotly.graph_objects as go
-
     first = views[0]
-    figure = go.Figure(layout=style.layout(350, top=76))
+    figure = Drawing(style.layout(350, top=76))
     wire = first.run.equilibrium.contact_position
     figure.add_scatter(
         x=wire[:, 0].astype(np.float32),
@@ -339,7 +325,7 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
 
 
 def _add_height(
-    figure: go.Figure, view: RunView, name: str, number: int, limit: int, *, many: bool
+    figure: Drawing, view: RunView, name: str, number: int, limit: int, *, many: bool
 ) -> None:
     record, look = view.run.pantograph(name), style.look(number)
     position, height = record.position[record.active], record.wire_height[record.active]
@@ -357,13 +343,9 @@ def _add_height(
     )
 
 
-def dropper_figure(views: Sequence[RunView]) -> go.Figure:
+def dropper_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the range of the dropper forces during the passage and how long they are slack."""
-    from plotly.subplots import make_subplots
-
-    figure = make_subplots(
-        rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.07, row_heights=[0.68, 0.32]
-    )
+    figure = panels([0.68, 0.32], gap=0.07)
     first = views[0]
     shape = first.run.equilibrium
     gaps = np.diff(shape.dropper_x)
@@ -389,7 +371,7 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
 
 
 def _add_droppers(
-    figure: go.Figure, view: RunView, number: int, shift: float, width: float, *, many: bool
+    figure: Drawing, view: RunView, number: int, shift: float, width: float, *, many: bool
 ) -> None:
     data, look = view.statistics.droppers, style.look(number)
     labels = np.column_stack(
@@ -439,7 +421,7 @@ def _add_droppers(
 
 def elasticity_figure(
     elasticities: Sequence[tuple[str, Elasticity]], line: Line, shape: Equilibrium
-) -> go.Figure:
+) -> Drawing:
     """Draw the elasticity over position, of one or several lines.
 
     Parameters
@@ -448,9 +430,7 @@ def elasticity_figure(
     line, shape
         Give names and positions of the supports.
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=40, hovermode="closest"))
+    figure = Drawing(style.layout(360, top=40, hovermode="closest"))
     symbols = {"support": "square", "dropper": "circle", "middle": "x-thin"}
     for number, (label, data) in enumerate(elasticities):
         look = style.look(number)

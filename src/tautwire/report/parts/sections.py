@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tautwire.analyses.force.statistics import uniform_shares
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import animation, force_figures, line_figures
 from tautwire.report.figures.loss_figures import irregularity_figure
 from tautwire.report.parts import published
@@ -29,9 +29,6 @@ from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.bands import WIDEST
 from tautwire.specs.line.catenary import Line
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
 MOST_ROWS = 400
 """Longest table of the page."""
 
@@ -43,15 +40,14 @@ def script_safe(text: str) -> str:
 
 def chart(
     name: str,
-    figure: go.Figure,
+    figure: Drawing,
     caption: str,
     summary: str,
     buttons: tuple[Button, ...] = (),
 ) -> Chart:
     """Turn a figure into a block of the page."""
-    content = str(figure.to_json())
-    layout: Any = figure.layout
-    return Chart(name, script_safe(content), caption, summary, int(layout.height or 400), buttons)
+    height = int(figure.layout.get("height", 400))
+    return Chart(name, script_safe(figure.to_json()), caption, summary, height, buttons)
 
 
 def line_section(views: Sequence[RunView]) -> Section:

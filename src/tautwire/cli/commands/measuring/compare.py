@@ -21,6 +21,7 @@ from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.project import load_project
 from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.recordings.comparison import (
@@ -32,6 +33,7 @@ from tautwire.report.parts.recordings.comparison import (
 )
 from tautwire.report.parts.words import readable
 from tautwire.results.run import Run
+from tautwire.specs.project import Project
 from tautwire.text import csv_text
 from tautwire.version import __version__
 
@@ -53,6 +55,8 @@ class ComparisonRequest:
     offset : str
     search : str or None
     limits : Path or None
+    project : Path or None
+        File with the project block.
     """
 
     files: tuple[Path, ...]
@@ -61,6 +65,7 @@ class ComparisonRequest:
     offset: str = "0 m"
     search: str | None = None
     limits: Path | None = None
+    project: Path | None = None
 
     def pairs(self) -> list[tuple[Path, Path]]:
         """Return runs and recordings in pairs.
@@ -102,6 +107,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     treatment = request.reading.treatment()
     limits = None if request.limits is None else load_limits(request.limits)
     pairs = request.pairs()
+    block = None if request.project is None else load_project(request.project)
     runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
     found: list[MeasurementComparison] = []
@@ -143,7 +149,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     if found:
         answer.document["covers"] = covered([compared.coverage for compared in found])
     if out is not None:
-        _write_files(answer, out, compared_runs, found)
+        _write_files(answer, out, compared_runs, found, block)
 
 
 def _faults(compared: MeasurementComparison) -> list[str]:
@@ -169,14 +175,19 @@ def _geometry_view(rows: Sequence[GeometryRow]) -> list[Any]:
 
 
 def _write_files(
-    answer: Answer, out: Path, runs: Sequence[Run], found: Sequence[MeasurementComparison]
+    answer: Answer,
+    out: Path,
+    runs: Sequence[Run],
+    found: Sequence[MeasurementComparison],
+    project: Project | None,
 ) -> None:
-    from tautwire.report.pages.comparison_page import write_comparison_page
+    from tautwire.report.pages.comparison_page import compose_comparison
 
     with prepared_folder(out):
         files = Files(out)
         if found:
-            files.write("comparison.html", lambda path: write_comparison_page(runs, found, path))
+            page = compose_comparison(runs, found, project)
+            files.write("comparison.html", page.write)
         text = to_json(answer.document) + "\n"
         files.write("comparison.json", lambda path: write_text(path, text))
         for number, compared in enumerate(found, 1):
