@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import tautwire as tw
+from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.accuracy import FACTOR, LEAST, coarser, figures, with_accuracy
+from tautwire.cli.views.documents import run_document
 from tautwire.report.parts.words import with_error
+from tautwire.results.accuracy import rounded
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
 from tautwire.specs.step_control import StepControl
@@ -37,6 +40,26 @@ from ..lines import ac_simple, found
 def test_no_digit_without_meaning(value: float, error: float, text: str) -> None:
     """The error is rounded up to its first digit, two behind a 1, and the value with it."""
     assert with_error(value, error, 2) == text
+
+
+def test_numbers_for_programs_have_no_digit_without_meaning() -> None:
+    """JSON holds the statistics that have an error bar to the digits that a person reads."""
+    run = _passage()
+    statistics = contact_statistics(run)
+    own, accuracy = statistics.pantographs[0], run.accuracy
+    assert accuracy is not None
+    told = run_document(run, statistics, (), ())["pantographs"][0]["sharp"]
+    keys = {"mean_n": "mean", "max_n": "maximum", "min_n": "minimum"}
+    for key, name in keys.items():
+        value = getattr(own.sharp, name)
+        error = accuracy.of(own.name, "sharp", name)
+        assert told[key] == rounded(value, error) != value
+        assert (
+            with_error(value, error, 9).split(" ")[0]
+            == with_error(told[key], error, 9).split(" ")[0]
+        )
+    band = own.sharp.standard_deviations["0_20"]
+    assert told["std_0_20_n"] == rounded(band, accuracy.of(own.name, "sharp", "0_20")) != band
 
 
 def test_companions_are_coarser() -> None:

@@ -64,6 +64,39 @@ class Accuracy(Plain):
             raise ValueError(f"numerical errors are damaged: {error}") from None
 
 
+def last_place(error: float) -> int:
+    """Return the power of ten of the last digit that an error above 0 leaves to a number.
+
+    An error is told to one digit, to two where the first is 1.
+
+    Examples
+    --------
+    >>> last_place(0.32), last_place(12.0)
+    (-1, 0)
+    """
+    place = math.floor(math.log10(error))
+    return place - (error < 2.0 * 10.0**place)
+
+
+def rounded(value: float, error: float) -> float:
+    """Return a number without the digits that its error makes worthless.
+
+    Parameters
+    ----------
+    value
+    error
+        Half width of the error bar; where it is 0 or NaN the number is returned as it is.
+
+    Examples
+    --------
+    >>> rounded(52.3784, 0.32), rounded(1294.3, 45.0)
+    (52.4, 1290.0)
+    """
+    if not (math.isfinite(value) and math.isfinite(error) and error > 0.0):
+        return value
+    return round(value, -last_place(error))
+
+
 def error_of(accuracy: Accuracy | None, *path: str) -> float:
     """Return the half width of an error bar; NaN where none was asked for."""
     return math.nan if accuracy is None else accuracy.of(*path)

@@ -10,6 +10,7 @@ import typer
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
+    ErrorOption,
     JsonOption,
     OutFolderOption,
     ProjectOption,
@@ -82,8 +83,7 @@ def study(
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers",
-            metavar="N",
+            "--workers", metavar="N",
             help="Worker processes on this machine; one per core by default.",
             show_default=False,
         ),
@@ -91,8 +91,7 @@ def study(
     cluster: Annotated[
         str | None,
         typer.Option(
-            "--cluster",
-            metavar="ADDRESS",
+            "--cluster", metavar="ADDRESS",
             help='Compute on a Dask cluster, as in "tls://host:8786". On tcp:// whoever reaches '
             "the scheduler can run code on it.",
             show_default=False,
@@ -101,8 +100,7 @@ def study(
     tls: Annotated[
         Path | None,
         typer.Option(
-            "--tls",
-            metavar="DIR",
+            "--tls", metavar="DIR",
             help="Certificates for tls://: ca.pem, cert.pem, key.pem.",
             show_default=False,
         ),
@@ -110,8 +108,7 @@ def study(
     shard: Annotated[
         str | None,
         typer.Option(
-            "--shard",
-            metavar="I/N",
+            "--shard", metavar="I/N",
             help="Compute part I of N only, for job arrays; all parts share one folder.",
             show_default=False,
         ),
@@ -122,6 +119,7 @@ def study(
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="With --resume: compute failed cases again.")
     ] = False,
+    error: ErrorOption = None,
     out: OutFolderOption = None,
     project: ProjectOption = None,
     as_json: JsonOption = False,
@@ -137,7 +135,7 @@ def study(
 
         part = WHOLE if shard is None else Shard.parse(shard)
         options = Options(resume or retry_failed, retry_failed, shard=part)
-        request = StudyRequest(study_file, workers, cluster, tls, options, out, project)
+        request = StudyRequest(study_file, workers, cluster, tls, options, out, error, project)
         run_study_file(answer, request)
 
 
