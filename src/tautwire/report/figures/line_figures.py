@@ -157,7 +157,7 @@ def _add_wire(
         name=group,
         line=line,
         legendgroup=group,
-        showlegend=not any(trace.legendgroup == group for trace in figure.data),
+        showlegend=not any(trace.get("legendgroup") == group for trace in figure.data),
         hovertemplate=f"{wire.name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
         row=row,
         col=1,
