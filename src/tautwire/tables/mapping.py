@@ -40,6 +40,7 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "values": (("path",), ("value",)),
     "sources": (("path",), ("source",), ("confidence",)),
     "bodies": (("body",), ("wire",), ("position",)),
+    "stays": (("stay",), ("wire",), ("position",), ("stiffness",)),
     RECORDING: (
         ("time", "position", "odometer"),
         ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
@@ -71,7 +72,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers``, ``wires``, ``bodies`` or ``recording``.
+        ``supports``, ``droppers``, ``wires``, ``bodies``, ``stays`` or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use
