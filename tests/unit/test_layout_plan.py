@@ -236,6 +236,35 @@ def test_ten_kilometres_have_at_most_a_megabyte(tmp_path: Path) -> None:
     assert plan.pages == pytest.approx(31, abs=1)
 
 
+def test_texts_of_others_act_nowhere(shape: tw.Equilibrium, tmp_path: Path) -> None:
+    """Markup, control codes of CAD programs and line ends in names stay texts in every file."""
+    names = ["<b>&\"'", "^J%%c", "\N{CJK UNIFIED IDEOGRAPH-7AD9}12", *"4567"]
+    case = tw.load_case("ac-simple", {**SHORT, "line.masts": names, "title": "one\ntwo"})
+    plan = tw.layout_plan(case, shape)
+    root = ET.parse(plan.write(tmp_path / "plan.svg")).getroot()
+    assert set(names) <= {"".join(one.itertext()) for one in root.iter(f"{SVG}text")}
+    found = texts_of(modelspace(plan, tmp_path))
+    assert {names[0], "^ J% %c", names[2], "Layout plan: one two"} <= set(found)
+
+
+def test_condition_is_drawn_and_named(tmp_path: Path) -> None:
+    """In wind the wires of the plan stand aside; the title block names condition and defects."""
+    defect = {"kind": "missing dropper", "span": 3, "dropper": 2}
+    wind = {"speed": 20.0, "from": "left"}
+    overrides = {"conditions": [{"name": "storm", "wind": wind, "defects": [defect]}],
+                 "wires.contact.diameter": 0.0132, "wires.messenger.diameter": 0.014,
+                 "droppers.diameter": 0.005}  # fmt: skip
+    calm = drawn("ac-simple", {**SHORT, **overrides})
+    storm = drawn("ac-simple", {**SHORT, **overrides, "condition": "storm"})
+    middles = [
+        np.interp(137.5, *plan.sheets.layout.content.wires[0].points[:, :2].T)
+        for plan in (calm, storm)
+    ]
+    assert middles[1] < middles[0] - 0.02
+    texts = texts_of(modelspace(storm, tmp_path))
+    assert "storm; broken parts drawn too" in texts
+
+
 # ---- scale and paper ---------------------------------------------------------------------------
 
 

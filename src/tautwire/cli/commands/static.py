@@ -258,7 +258,8 @@ def _write_design(files: Files, case: Case, design: _Design) -> None:
     if len(states) > 1:
         files.write("tensions.csv", lambda path: write_text(path, tensions_csv(masts)))
     if masts.installation:
-        files.write("installation.csv", lambda path: write_text(path, installation_csv(masts)))
+        installed = installation_csv(masts, case.line)
+        files.write("installation.csv", lambda path: write_text(path, installed))
     if lateral is not None:
         files.write("lateral.csv", lambda path: write_text(path, lateral_csv(lateral)))
     if design.checks:

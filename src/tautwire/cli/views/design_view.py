@@ -45,7 +45,7 @@ def masts_view(masts: Masts, line: Line, contact: tuple[str, ...]) -> Iterator[A
     for first in range(0, len(masts.temperatures), MOST_COLUMNS):
         chosen = slice(first, first + MOST_COLUMNS)
         yield heading("Installation", "mm from the design; weights upwards")
-        rows = installation_rows(masts, chosen, contact)
+        rows = installation_rows(masts, line, chosen, contact)
         yield table(installation_head(masts, chosen), "rL" + "r" * len(rows[0][2:]), rows)
     if states > 1:
         yield heading("Tension along the line", "means of the outermost spans, and the least span")

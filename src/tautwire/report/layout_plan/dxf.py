@@ -10,7 +10,6 @@ import numpy as np
 
 from tautwire.errors import not_installed
 from tautwire.report.layout_plan.items import LAYERS, Drawing, Label
-from tautwire.text import printable
 
 if TYPE_CHECKING:
     from ezdxf.layouts.layout import Modelspace
@@ -66,7 +65,8 @@ def dxf_of(drawing: Drawing, scale: int) -> str:
             document.linetypes.add(layer.name, pattern=[metre * sum(layer.dashes), *signs])
             entry.dxf.linetype = layer.name
     space = document.modelspace()
-    for stroke in drawing.strokes:
+    order = {name: number for number, name in enumerate(LAYERS)}
+    for stroke in sorted(drawing.strokes, key=lambda one: order[one.layer]):
         points = np.round(metre * stroke.points, _DIGITS).tolist()
         look = {"layer": stroke.layer}
         if len(points) == 2:
@@ -88,7 +88,7 @@ def _text(space: Modelspace, label: Label, metre: float) -> None:
     places = {"middle": Place.CENTER, "end": Place.RIGHT}
     x, y = (round(metre * value, _DIGITS) for value in (label.x, label.y))
     look = {"layer": label.layer, "rotation": 90.0} if label.is_upright else {"layer": label.layer}
-    text = printable(label.text).replace("%%", "% %")  # two of them begin a control code
+    text = label.text.replace("%%", "% %").replace("^", "^ ")  # they begin control codes
     entity = space.add_text(text, height=round(metre * label.height, _DIGITS), dxfattribs=look)
     if label.anchor == "start":
         entity.dxf.insert = (x, y)  # a second point, which only the others need, is left out

@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tautwire.text import printable
+
 Array = NDArray[np.float64]
 Anchor = Literal["start", "middle", "end"]
 Box = tuple[float, float, float, float]
@@ -132,9 +134,9 @@ class Drawing:
         self, layer: str, text: str, x: float, y: float, *, height: float = SMALL,
         anchor: Anchor = "start", is_upright: bool = False,
     ) -> None:  # fmt: skip
-        """Add a text that is not empty; see :class:`Label`."""
-        if text:
-            self.labels.append(Label(layer, text, x, y, height, anchor, is_upright))
+        """Add a text that is not empty, on one line; see :class:`Label`."""
+        if line := " ".join(printable(text).split()):
+            self.labels.append(Label(layer, line, x, y, height, anchor, is_upright))
 
     def box(self, layer: str, box: Box) -> None:
         """Add a rectangle: left, bottom, width, height [mm]."""

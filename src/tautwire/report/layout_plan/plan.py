@@ -235,11 +235,13 @@ def _suiting(content: Content, scale: Scale | None) -> Scale:
 
 
 def _title(case: Case, scale: Scale) -> Title:
-    condition = case.condition or DESIGN
+    chosen = case.chosen_condition
+    has_defects = chosen is not None and len(chosen.defects) > 0
+    state = f"{case.condition or DESIGN}{'; broken parts drawn too' if has_defects else ''}"
     rows = {
         **case.project.rows(),
         "Case": f"{case.name} ({case.hash()[:12]})",
-        "State": condition,
+        "State": state,
         "Scale": str(scale),
         "Program": f"tautwire {__version__}",
     }

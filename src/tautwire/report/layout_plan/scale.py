@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from tautwire.errors import InputError
 from tautwire.text import shown
 
-STEPS = (1000, 500, 250, 200, 100, 50, 20, 10)
+STEPS = (1000, 500, 250, 200, 100, 50, 20, 10, 5, 2, 1)
 """Scales that are tried in turn along the track: layout plans are drawn at 1:1000 or 1:500, and
 the larger ones (ISO 5455 and 1:250) where spans are so short that texts need them."""
 SMALLEST, LARGEST = 100_000, 1

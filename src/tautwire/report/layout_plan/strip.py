@@ -270,7 +270,7 @@ class Strip:
         right = self.x(min(stretch.end, self.end))
         y = 0.5 * (zone.bottom + zone.top)
         self.drawing.stroke("TENSION_LENGTHS", [(left, y), (right, y)])
-        self._fitting(stretch.texts, left, right, y + 0.9)
+        self._fitting(stretch.texts, left, right, y + 1.5)
         held = {stretch.start: stretch.is_held[0], stretch.end: stretch.is_held[1]}
         for s, text in end_labels(stretch):
             if not self.start <= s <= self.end:

@@ -90,7 +90,7 @@ def _number(hundredths: int) -> str:
 
 def _text(label: Label, height: float) -> str:
     x, y = label.x, height - label.y
-    text = escape(printable(label.text), quote=False)
+    text = escape(label.text, quote=False)
     if label.is_upright:
         return f'<text transform="translate({x:.2f} {y:.2f})rotate(-90)">{text}</text>'
     return f'<text x="{x:.2f}" y="{y:.2f}">{text}</text>'

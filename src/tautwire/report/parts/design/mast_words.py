@@ -40,20 +40,23 @@ def installation_head(masts: Masts, chosen: slice) -> tuple[str, ...]:
 
 
 def installation_rows(
-    masts: Masts, chosen: slice, wires: Sequence[str] | None = None
+    masts: Masts, line: Line, chosen: slice, wires: Sequence[str] | None = None
 ) -> list[tuple[str, ...]]:
     """Return one row per cantilever and weight, in millimetres.
 
     Parameters
     ----------
     masts
+    line
+        Names its supports.
     chosen
         Which temperatures.
     wires
         Whose cantilevers are told; all by default. Weights always are.
     """
+    marks = line.support_marks()
     return [
-        (str(one.support), f"{one.wire}, {one.what}", *map(_offset, one.offsets[chosen]))
+        (marks[one.support - 1], f"{one.wire}, {one.what}", *map(_offset, one.offsets[chosen]))
         for one in masts.installation
         if wires is None or one.wire in wires or one.what == "weight"
     ]
@@ -151,13 +154,15 @@ def _place(line: Line, support: int) -> tuple[str, ...]:
     return (*mast, *chainage)
 
 
-def installation_csv(masts: Masts) -> str:
+def installation_csv(masts: Masts, line: Line) -> str:
     """Return the installation table as CSV, one column per temperature [mm]."""
     names = zip(masts.conditions, masts.temperatures, strict=True)
-    head = ("support", "x [m]", "wire", "what", *(f"{n}, {t:g} degC [mm]" for n, t in names))
-    return csv_text(head, (_installed(one) for one in masts.installation))
+    told = (f"{n}, {t:g} degC [mm]" for n, t in names)
+    head = ("support", *_place_head(line), "x [m]", "wire", "what", *told)
+    return csv_text(head, (_installed(one, line) for one in masts.installation))
 
 
-def _installed(one: Installed) -> tuple[object, ...]:
+def _installed(one: Installed, line: Line) -> tuple[object, ...]:
     offsets = ("" if math.isnan(value) else f"{1e3 * value:.2f}" for value in one.offsets)
-    return (one.support, f"{one.x:.4f}", one.wire, one.what, *offsets)
+    place = (one.support, *_place(line, one.support), f"{one.x:.4f}")
+    return (*place, one.wire, one.what, *offsets)

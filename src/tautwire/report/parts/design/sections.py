@@ -53,7 +53,7 @@ def supports_section(masts: Masts, line: Line) -> Section:
                 "design, positive towards rising chainage, and weights above theirs [mm].",
                 installation_head(masts, slice(None)),
                 "rl" + "r" * len(masts.temperatures),
-                tuple(installation_rows(masts, slice(None))),
+                tuple(installation_rows(masts, line, slice(None))),
             )
         )
         offsets = "Place of the cantilevers along the track from that in the design."
