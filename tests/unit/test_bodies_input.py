@@ -13,7 +13,7 @@ from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
 from tautwire.model.plausibility import implausible_inputs
 from tautwire.report.figures.line_figures import line_figure
-from tautwire.report.parts.body_words import body_rows
+from tautwire.report.parts.fitting_words import body_rows, stay_rows
 from tautwire.report.parts.sections import line_section
 from tautwire.report.parts.views import prepare
 
@@ -121,7 +121,9 @@ def test_a_heavy_body_between_droppers_is_told(tmp_path: Path) -> None:
 
 def test_results_name_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The static state, its document, the report and its figure show every body."""
-    path = written(tmp_path, f"bodies: [{{{INSULATOR}, mass: 3 kg, end_mass: 0.5 kg}}]\n")
+    stay = "name: tie, wire: contact, span: 2, at: 30 m, stiffness: 1 MN/m, end_y: 3 m, end_z: 6 m"
+    body = f"bodies: [{{{INSULATOR}, mass: 3 kg, end_mass: 0.5 kg}}]"
+    path = written(tmp_path, f"{body}\nstays: [{{{stay}}}]\n")
     assert run_command_line(["static", str(path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     (body,) = document["shape"]["bodies"]
@@ -133,7 +135,7 @@ def test_results_name_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         "insulator", "contact", "79.000", "80.000", "4.00"
     )  # fmt: skip
     titles = [getattr(block, "summary", "") for block in line_section([view]).blocks]
-    assert "Bodies in the line of wires" in titles
-    assert "bodies" in [
-        trace.name for trace in line_figure(view.run.case, view.run.equilibrium, 1).to_figure().data
-    ]
+    assert {"Bodies in the line of wires", "Stays"} <= set(titles)
+    assert stay_rows(run.case, run.equilibrium)[0][:3] == ("tie", "contact", "85.000")
+    figure = line_figure(run.case, run.equilibrium, 1).to_figure()
+    assert {"bodies", "stays"} <= {trace.name for trace in figure.data}

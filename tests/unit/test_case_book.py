@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import openpyxl
 import pytest
 
@@ -54,6 +56,38 @@ def test_workbook_of_a_case_is_the_case(name: str, tmp_path: Path) -> None:
     third = load_case(write_workbook(again, tmp_path / "line2.xlsx"))
     assert third.to_dict() == again.to_dict()
     assert third.hash() == again.hash()
+
+
+@pytest.mark.parametrize("name", TOPOLOGIES)
+def test_rows_give_the_same_mesh(name: str, tmp_path: Path) -> None:
+    """A line that rules made has, written as rows, the same mesh and the same arrays to the bit;
+    bodies, stays and elastic cantilevers too."""
+    case = load_case(name, COARSE)
+    at = {"wire": "contact", "span": 3, "tension_length": None}
+    if case.tension_lengths:
+        at["tension_length"] = case.tension_lengths[0].name
+    case = case.with_(
+        bodies=[{**at, "name": "insulator", "at": 2.0, "length": 1.0, "mass": 7.5}],
+        stays=[{**at, "name": "tie", "at": 3.5, "stiffness": 1e6, "end_y": 3.0, "end_z": 5.0}],
+        **{"supports.cantilever": {"arm": {"lateral": 1e5}} if "swinging" in told_arms(case)
+           else None},
+    )  # fmt: skip
+    one, other = build(case), build(load_case(write_workbook(case, tmp_path / "line.xlsx")))
+    assert replace(one.line, track=other.line.track) == other.line
+    ours, theirs = one.form.system, other.form.system
+    assert np.array_equal(one.mesh.s, other.mesh.s)
+    assert np.array_equal(ours.position, theirs.position)
+    assert np.array_equal(ours.load, theirs.load)
+    assert np.array_equal(ours.node_mass, theirs.node_mass)
+    for part in ("cables", "ties", "clamps", "stays"):
+        for item in fields(getattr(ours, part)):
+            pair = (getattr(getattr(system, part), item.name) for system in (ours, theirs))
+            assert np.array_equal(*pair, equal_nan=item.name == "axial"), (part, item.name)
+
+
+def told_arms(case: Case) -> set[str]:
+    """Return how the steady arms of a case move."""
+    return set() if case.supports.closure == "spring" else {case.supports.arm.motion}
 
 
 def test_workbook_to_case_to_workbook(tmp_path: Path) -> None:
@@ -272,3 +306,30 @@ def test_wire_that_is_unknown_names_the_workbook(tmp_path: Path) -> None:
     wires = [["Wire", "Type"], ["Contact wire", "Ri 99"]]
     with pytest.raises(InputError, match=r"^.*v\.xlsx: wires\.contact\.use: the catalogue has no"):
         load_case(workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Wires=wires))
+
+
+def test_mapping_file_that_is_older_than_the_workbook(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Columns and sheets that came after the mapping was written are told, not dropped in silence;
+    what went is told with the cure."""
+    path = edited(tmp_path, lambda book: book.remove(book["Droppers"]))
+    assert run_command_line(["check", str(path)]) == 0
+    capsys.readouterr()
+    kept = (tmp_path / "v.mapping.yaml").read_text(encoding="utf-8")
+
+    def grown(book: Any) -> None:
+        book["Masts"]["G3"] = "Type"
+        book["Masts"]["G5"] = None
+
+    edited(tmp_path, grown)
+    assert run_command_line(["check", str(path)]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "does not name the column 'Type', which is left aside; remove the mapping" in told
+    assert "sheet 'Droppers': could be a table of droppers, but" in told
+    assert (tmp_path / "v.mapping.yaml").read_text(encoding="utf-8") == kept
+    (tmp_path / "v.mapping.yaml").write_text(kept.replace("Stagger", "Zigzag"), encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"no column .*; remove the mapping file to have a new one"
+    ):
+        load_case(path)

@@ -111,9 +111,10 @@ def place_of(path: Path, data: Data) -> str:
         case ("sources", int(), *_):
             entry = value_at(data, (*path[:2], "path"))
             return f"entry for {entry!r}" if isinstance(entry, str) else ""
-        case ("bodies", int(number), *_):
-            name = value_at(data, ("bodies", number, "name"))
-            return f"body {name!r}" if isinstance(name, str) else ""
+        case (("bodies" | "stays") as group, int(number), *_):
+            name = value_at(data, (group, number, "name"))
+            word = "body" if group == "bodies" else "stay"
+            return f"{word} {name!r}" if isinstance(name, str) else ""
         case ("pantographs", int(number), *_):
             return f"pantograph {_pantograph_name(data, number)}"
         case _:

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
-from tautwire.line.bodies import with_bodies
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks, misplaced
+from tautwire.line.fittings import with_fittings
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -57,7 +57,7 @@ def expand(case: Case) -> Line:
     Raises
     ------
     InputError
-        When defects are where nothing is, or bodies have no place; all are named.
+        When defects are where nothing is, or bodies and stays have no place; all are named.
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
@@ -80,7 +80,7 @@ def expand(case: Case) -> Line:
         joints=tuple(joints),
         marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
-    line, problems = with_bodies(line, case.bodies)
+    line, problems = with_fittings(line, case)
     problems += misplaced(line, case.conditions)
     if problems:
         raise InputError(problems)

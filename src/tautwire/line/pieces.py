@@ -13,6 +13,7 @@ from typing import Literal
 
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.numerics.network.parts import TENSION_ONLY
 from tautwire.numerics.track import Track
 from tautwire.specs.line.cantilever import Elastic
 from tautwire.specs.line.catenary import Device
@@ -245,6 +246,35 @@ class Body:
 
 
 @dataclass(frozen=True)
+class WireStay:
+    """A stay from a wire to a fixed point, without force in the design.
+
+    Attributes
+    ----------
+    name : str
+    at : At
+    end : (float, float, float) m
+        Far end ahead of ``at``, to the left and above the rails.
+    law : int
+        Of its axial force.
+    stiffness : float N/m
+    slack : float m
+        Change of the distance until it acts.
+    """
+
+    name: str
+    at: At
+    end: tuple[float, float, float]
+    law: int
+    stiffness: float
+    slack: float
+
+    def length(self, distance: float) -> float:
+        """Return the unstrained length where the far end is at a distance in the design [m]."""
+        return distance + (self.slack if self.law == TENSION_ONLY else -self.slack)
+
+
+@dataclass(frozen=True)
 class Line:
     """A line piece by piece; every group from left to right.
 
@@ -252,7 +282,7 @@ class Line:
     ----------
     track : Track
     masts : tuple of float m
-    runs, hangers, joints, registrations, suspensions, bodies : tuples of pieces
+    runs, hangers, joints, registrations, suspensions, bodies, stays : tuples of pieces
     marks : tuple of At
         Other places at which a wire needs a node.
     """
@@ -265,6 +295,7 @@ class Line:
     suspensions: tuple[Suspension, ...]
     joints: tuple[Joint, ...] = ()
     bodies: tuple[Body, ...] = ()
+    stays: tuple[WireStay, ...] = ()
     marks: tuple[At, ...] = ()
 
     @cached_property
@@ -323,7 +354,7 @@ def _places(line: Line) -> Iterable[At]:
         yield from (hanger.upper, hanger.lower)
     for joint in line.joints:
         yield from (joint.host, joint.other)
-    for piece in (*line.registrations, *line.suspensions):
+    for piece in (*line.registrations, *line.suspensions, *line.stays):
         yield piece.at
     for body in line.bodies:
         yield from (At(body.run, body.start), At(body.run, body.end))

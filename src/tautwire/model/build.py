@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.line.bodies import lumps, sections
 from tautwire.line.expand import expand
+from tautwire.line.fittings import lumps, sections
 from tautwire.line.pieces import GivenHeight, Line, Run
 from tautwire.model.guess import Guess, guess_shape
 from tautwire.model.irregularity import draw_irregularities

@@ -18,7 +18,12 @@ from tautwire.model.operation.elastic import (
     held_heels,
     moving_masses,
 )
-from tautwire.model.registrations import registrations_at_rest, suspension_grounds, uplift_stops
+from tautwire.model.registrations import (
+    registrations_at_rest,
+    suspension_grounds,
+    uplift_stops,
+    wire_stays,
+)
 from tautwire.numerics.network.parts import Clamps, Grounds, Stays, Ties
 from tautwire.numerics.network.system import System, internal_force, weight_load
 from tautwire.results.equilibrium import Equilibrium
@@ -102,7 +107,7 @@ def at_rest(
         held[group.nodes, 1] = rest.is_held_sideways
         mass[group.nodes] += rest.added_mass
     held_heels(line, mesh, held, broken)
-    stays = stays.joined(uplift_stops(line, mesh, shape, broken))
+    stays = stays.joined(uplift_stops(line, mesh, shape, broken), wire_stays(line, mesh, shape))
     system = built.with_(
         position=shape.position,
         cables=built.cables.with_(length=shape.cable_lengths),

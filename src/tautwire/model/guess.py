@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.line.bodies import sections
+from tautwire.line.fittings import sections
 from tautwire.line.pieces import At, GivenHeight, GivenLength, Hanger, Line, Role
 from tautwire.model.mesh import Mesh, Strand
 

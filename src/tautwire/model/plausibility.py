@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.alignment import alignment
-from tautwire.line.bodies import total_mass
 from tautwire.line.expand import expand
+from tautwire.line.fittings import total_mass
 from tautwire.model.preflight import Advice
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case

@@ -1,9 +1,9 @@
 """What exists and what is chosen: frozen, validated descriptions in SI units."""
 
 from tautwire.specs.case import Case, Source
-from tautwire.specs.line.body import Body
 from tautwire.specs.line.catenary import Damping, Ends, Line
 from tautwire.specs.line.dropper import Droppers, DropperStiffness
+from tautwire.specs.line.fitting import Body, Stay
 from tautwire.specs.line.irregularity import Installation, Irregularities, Unevenness
 from tautwire.specs.line.support import Arm, Supports, SupportSpring
 from tautwire.specs.line.wire import Wire, Wires
@@ -32,6 +32,7 @@ __all__ = [
     "Settings",
     "Source",
     "Stage",
+    "Stay",
     "StepControl",
     "SupportSpring",
     "Supports",

@@ -12,9 +12,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from tautwire.specs.base import LIST, MAPPING, Spec, Typical, form_of, refuse
 from tautwire.specs.checks import find_contradictions
 from tautwire.specs.conditions.condition import Condition
-from tautwire.specs.line.body import Body
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.fitting import Body, Stay
 from tautwire.specs.line.irregularity import Irregularities
 from tautwire.specs.line.support import Supports
 from tautwire.specs.line.tension import Overlap, TensionLength
@@ -104,6 +104,10 @@ class Case(Told, Spec):
     bodies: tuple[Body, ...] = Field(
         default=(),
         description="Bodies in the line of wires: splices, insulators, section insulators.",
+    )
+    stays: tuple[Stay, ...] = Field(
+        default=(),
+        description="Ropes, bars and struts that hold wires sideways or along the track.",
     )
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."

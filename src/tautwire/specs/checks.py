@@ -13,9 +13,9 @@ from tautwire.specs.conditions.checks import (
     check_places,
     check_slowed_waves,
 )
-from tautwire.specs.line.body import check_bodies
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers, check_sets
+from tautwire.specs.line.fitting import check_fittings
 from tautwire.specs.line.irregularity import check_irregularities
 from tautwire.specs.line.support import Supports, check_cantilevers, check_hinges
 from tautwire.specs.line.tension import check_tension_lengths
@@ -447,7 +447,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("conditions", "condition", "wires", "droppers"), check_conditions),
     (("line", "tension_lengths", "conditions"), check_places),
     (("conditions", "wires", "scenario"), check_slowed_waves),
-    (("line", "wires", "tension_lengths", "bodies"), check_bodies),
+    (("line", "wires", "tension_lengths", "bodies", "stays"), check_fittings),
     (("line", "requirements"), check_requirements),
     (("requirements", "conditions", "wires", "droppers"), check_gauge),
 )

@@ -26,6 +26,7 @@ SECTIONS = {
     "droppers": ("droppers",),
     "wires": ("wires",),
     "bodies": ("bodies",),
+    "stays": ("stays",),
 }
 """Parts of a case that a kind of table fills."""
 
@@ -263,23 +264,35 @@ def _wires(rows: Rows, result: LineTables) -> None:
 
 
 def _bodies(rows: Rows, result: LineTables) -> None:
+    numbers = ("length", "mass", "end_mass", "axial_stiffness", "bending_stiffness")
+    _fittings(rows, result, {"name": "body"}, numbers)
+
+
+def _stays(rows: Rows, result: LineTables) -> None:
+    numbers = ("stiffness", "slack", "end_along", "end_y", "end_z")
+    _fittings(rows, result, {"name": "stay", "law": "law"}, numbers)
+
+
+def _fittings(
+    rows: Rows, result: LineTables, texts: dict[str, str], numbers: Sequence[str]
+) -> None:
+    """Read what sits on wires, one per row; cells that are empty say nothing."""
     places = rows.full("position")
     if places is None:
         raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
     columns: dict[str, Sequence[Any]] = {"span": span_of_rows(rows, _plan(result)), "at": places}
-    for key, name in (("name", "body"), ("wire", "wire"), ("tension_length", "tension_length")):
+    for key, name in (texts | {"wire": "wire", "tension_length": "tension_length"}).items():
         columns[key] = rows.texts(name) or ()
-    for name in ("length", "mass", "end_mass", "axial_stiffness", "bending_stiffness"):
+    for name in numbers:
         columns[name] = rows.numbers(name) or ()
-    bodies = [
-        {key: values[index] for key, values in columns.items() if values}
+    kind = rows.mapping.kind
+    result.values[kind] = [
+        {key: values[index] for key, values in columns.items()
+         if values and values[index] is not None}
         for index in range(len(places))
-    ]
-    result.values["bodies"] = [
-        {key: value for key, value in body.items() if value is not None} for body in bodies
-    ]
+    ]  # fmt: skip
     for index in range(len(places)):
-        result.origins["bodies", index] = rows.place(index, "position")
+        result.origins[kind, index] = rows.place(index, "position")
 
 
 _READERS = {
@@ -289,5 +302,6 @@ _READERS = {
     "wires": _wires,
     "droppers": _droppers,
     "bodies": _bodies,
+    "stays": _stays,
 }
 """Reader of every kind of table, in the order in which they need each other."""

@@ -172,7 +172,9 @@ def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
     pieces = (*model.line.registrations, *model.line.suspensions)
     tangent[model.mesh.nodes(piece.at for piece in pieces if piece.is_fixed_along)] = 0.0
     tangent[resisting(model.line, model.mesh)] = 0.0
-    return Swing(tangent[system.stays.node], tangent[system.grounds.node])
+    stays = tangent[system.stays.node]
+    stays[len(stays) - len(model.line.stays) :] = 0.0  # those of wires stand still
+    return Swing(stays, tangent[system.grounds.node])
 
 
 def _refuse_unsettled(condition: Condition, settled: Settled) -> None:
@@ -266,7 +268,8 @@ def _arms(
         frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
     )
     axial = stays.axial_force(stays.state(system.position).length)
-    arms = np.flatnonzero(stays.law == BOTH_WAYS)
+    of_arms = np.arange(len(stays)) < len(stays) - len(model.line.stays)
+    arms = np.flatnonzero(of_arms & (stays.law == BOTH_WAYS))
     pulls = {int(stays.node[row]): (axial[row], stays.end[row]) for row in arms}
     r, count, elastic = system.position.reshape(-1, 6)[:, :3], len(model.line.hangers), system.ties
     forces = tie_axial_force(system, system.position)[count:]

@@ -12,7 +12,7 @@ import numpy as np
 
 from tautwire.assessment.checks import Check
 from tautwire.numerics.newmark import HHT, Newmark
-from tautwire.report.parts.body_words import bodies_of, body_heights
+from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_state, stays_of
 from tautwire.results.accuracy import Accuracy, rounded
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import Run
@@ -138,6 +138,15 @@ def shape_part(case: Case, shape: Equilibrium) -> dict[str, Any]:
                 "heights_m": list(body_heights(shape, body)),
             }
             for body in bodies_of(case)
+        ],
+        "stays": [
+            {
+                "name": stay.name,
+                "wire": stay.at.run,
+                "x_m": stay.at.s,
+                "force_n": stay_state(shape, stay)[1],
+            }
+            for stay in stays_of(case)
         ],
         "reaction_n": shape.reaction,
         "dropper_positions_m": by_span(shape.dropper_x),

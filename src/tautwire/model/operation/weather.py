@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.formulas.wear import bending_left, height_left
-from tautwire.line.bodies import sections
+from tautwire.line.fittings import sections
 from tautwire.line.pieces import Hanger, Run
 from tautwire.model.build import Model
 from tautwire.numerics.elements import ancf

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.line.pieces import Body
+from tautwire.line.pieces import Body, WireStay
 from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
-from tautwire.report.parts.body_words import bodies_of, body_heights
+from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_place, stays_of
 from tautwire.report.parts.views import RunView
 from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
 from tautwire.specs.case import Case
@@ -39,6 +39,7 @@ def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
     _add_side_view(figure, shape, bodies_of(case))
     _add_sag(figure, shape)
     _add_plan(figure, shape)
+    _add_stays(figure, shape, stays_of(case))
     figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(shape, first)))
@@ -93,6 +94,18 @@ def _add_side_view(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) 
         col=1,
     )
     _add_bodies(figure, shape, bodies)
+
+
+def _add_stays(figure: Drawing, shape: Equilibrium, stays: Sequence[WireStay]) -> None:
+    """Add the stays of wires to the side view and to the plan view."""
+    if not stays:
+        return
+    on_wire = np.array([stay_place(shape, stay) for stay in stays])
+    far = np.array([stay.end for stay in stays])
+    far[:, 0] += [stay.at.s for stay in stays]
+    for row, axis, scale in ((1, 2, 1.0), (3, 1, 1e3)):
+        begin, end = ((at[:, 0], scale * at[:, axis]) for at in (on_wire, far))
+        _add_segments(figure, begin, end, "stays", row)
 
 
 def _add_bodies(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) -> None:

@@ -16,7 +16,7 @@ from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 from tautwire.specs.line.support import Supports
 
-GROUPS = ("track", "line", "wires", "supports", "droppers", "bodies", "irregularities",
+GROUPS = ("track", "line", "wires", "supports", "droppers", "bodies", "stays", "irregularities",
           "pantographs", "scenario", "settings")  # fmt: skip
 LONG = 12
 """Lists with more items than this are shortened."""
@@ -158,8 +158,6 @@ def leaves_of_group(case: Case, group: str) -> Iterator[tuple[str, Any, str]]:
         yield from level if case.track.is_straight_and_level else found
     elif isinstance(part, BaseModel):
         yield from leaves(part, group)
-    elif not part:
-        yield group, None, ""
     else:
         for index, item in enumerate(part, 1):
             yield from leaves(item, f"{group}[{index}]")

@@ -22,7 +22,7 @@ from tautwire.report.parts.blocks import (
     Table,
     Text,
 )
-from tautwire.report.parts.body_words import BODY_HEAD, body_rows
+from tautwire.report.parts.fitting_words import BODY_HEAD, STAY_HEAD, body_rows, stay_rows
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
@@ -73,6 +73,8 @@ def line_section(views: Sequence[RunView]) -> Section:
         )
     if rows := body_rows(view.run.case, shape):
         blocks.append(Details("Bodies in the line of wires", (_body_table(rows),)))
+    if rows := stay_rows(view.run.case, shape):
+        blocks.append(Details("Stays", (_stay_table(rows),)))
     blocks += _irregularity_blocks(views)
     blocks.append(
         Text(
@@ -182,6 +184,15 @@ def _body_table(rows: list[tuple[str, ...]]) -> Table:
         "ends; heights at rest.",
         tuple(head.replace("\n", " ") for head in BODY_HEAD),
         "llrrrrr",
+        tuple(rows[:MOST_ROWS]),
+    )
+
+
+def _stay_table(rows: list[tuple[str, ...]]) -> Table:
+    return Table(
+        "Stays of wires at rest; they carry nothing in the design, a pull is positive.",
+        tuple(head.replace("\n", " ") for head in STAY_HEAD),
+        "llrrr",
         tuple(rows[:MOST_ROWS]),
     )
 

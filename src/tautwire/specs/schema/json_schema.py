@@ -40,6 +40,7 @@ def case_json_schema() -> JsonSchema:
             "droppers": {"type": "string", "description": "One row per dropper."},
             "wires": {"type": "string", "description": "One row per wire."},
             "bodies": {"type": "string", "description": "One row per body in the line of a wire."},
+            "stays": {"type": "string", "description": "One row per stay of a wire."},
         },
         "additionalProperties": False,
     }

@@ -1,4 +1,4 @@
-"""Bodies in the line of a wire: where they are, and what the wire is made of there."""
+"""Bodies and stays on wires: where they are, and what a wire is made of there."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.line.pieces import BESIDE, At, Body, Line, Run
-from tautwire.specs import Body as Spec
+from tautwire.line.pieces import BESIDE, At, Body, Line, Run, WireStay
+from tautwire.numerics.network.parts import BOTH_WAYS, COMPRESSION_ONLY, TENSION_ONLY
+from tautwire.specs.case import Case
+from tautwire.specs.line.fitting import Body as BodySpec
+from tautwire.specs.line.fitting import Fitting, Stay
+
+LAWS = {"rope": TENSION_ONLY, "bar": BOTH_WAYS, "strut": COMPRESSION_ONLY}
 
 Array = NDArray[np.float64]
 
@@ -18,32 +23,43 @@ TOUCHING = 1e-6
 and sums of them are rounded."""
 
 
-def with_bodies(line: Line, specs: Iterable[Spec]) -> tuple[Line, list[str]]:
-    """Return a line with bodies on its wires, and one sentence for every body without a place.
+def with_fittings(line: Line, case: Case) -> tuple[Line, list[str]]:
+    """Return a line with bodies and stays on its wires, and a sentence for each without a place.
 
     Parameters
     ----------
     line
         Without any.
-    specs
-        The bodies of a case.
+    case
+        What it has.
     """
-    found: list[Body] = []
+    bodies: list[Body] = []
+    stays: list[WireStay] = []
     problems = []
-    for number, spec in enumerate(specs, 1):
-        body, fault = _placed(line, found, spec)
+    for number, body in enumerate(case.bodies, 1):
+        run, ends, fault = _place(line, body, 0.5 * body.length)
+        fault = fault or (_on_another(bodies, run, ends) if run is not None else "")
         if fault:
-            problems.append(f"bodies[{number}] ({spec.name}): {fault}")
-        elif body is not None:
-            found.append(body)
-    order = sorted(found, key=lambda body: body.start)
-    return (replace(line, bodies=tuple(order)) if found else line), problems
+            problems.append(f"bodies[{number}] ({body.name}): {fault}")
+        elif run is not None:
+            bodies.append(_body(run, body, ends))
+    for number, stay in enumerate(case.stays, 1):
+        run, ends, fault = _place(line, stay, 0.0)
+        if fault:
+            problems.append(f"stays[{number}] ({stay.name}): {fault}")
+        elif run is not None:
+            stays.append(_stay(run, stay, ends[0]))
+    if not bodies and not stays:
+        return line, problems
+    bodies.sort(key=lambda body: body.start)
+    stays.sort(key=lambda stay: stay.at.s)
+    return replace(line, bodies=tuple(bodies), stays=tuple(stays)), problems
 
 
-def _placed(line: Line, others: Iterable[Body], spec: Spec) -> tuple[Body | None, str]:
-    """Return a body in its place, or what is wrong with it."""
+def _place(line: Line, spec: Fitting, half: float) -> tuple[Run | None, tuple[float, float], str]:
+    """Return the run and the ends of what sits on a wire, or what is wrong with its place."""
     middle = line.masts[spec.span - 1] + spec.at
-    ends = (middle - 0.5 * spec.length, middle + 0.5 * spec.length)
+    ends = (middle - half, middle + half)
     runs = [
         run
         for run in line.runs
@@ -54,19 +70,27 @@ def _placed(line: Line, others: Iterable[Body], spec: Spec) -> tuple[Body | None
     ]
     if len(runs) != 1:
         which = "several tension lengths have a" if runs else "there is no"
-        where = f"from {ends[0]:g} m to {ends[1]:g} m" if spec.length else f"at {middle:g} m"
-        return None, f"{which} wire {spec.wire!r} {where}; name wire, tension_length, span and at"
+        where = f"from {ends[0]:g} m to {ends[1]:g} m" if half else f"at {middle:g} m"
+        text = f"{which} wire {spec.wire!r} {where}; name wire, tension_length, span and at"
+        return None, ends, text
     start, end = (_touching(line.points(runs[0].name), s) for s in ends)
-    for s in (start, end):
-        if fault := _too_close(line, runs[0], s):
-            return None, fault
-    for other in others:
-        if other.run == runs[0].name and start < other.end and other.start < end:
-            return None, (
+    faults = (_too_close(line, runs[0], s) for s in (start, end))
+    return runs[0], (start, end), next(filter(None, faults), "")
+
+
+def _on_another(bodies: Iterable[Body], run: Run, ends: tuple[float, float]) -> str:
+    for other in bodies:
+        if other.run == run.name and ends[0] < other.end and other.start < ends[1]:
+            return (
                 f"lies on {other.name!r} of the same wire, {other.start:g} m to {other.end:g} m; "
                 "move one of them (at)"
             )
-    return _body(runs[0], spec, (start, end)), ""
+    return ""
+
+
+def _stay(run: Run, spec: Stay, s: float) -> WireStay:
+    end = (spec.end_along, spec.end_y, spec.end_z)
+    return WireStay(spec.name, At(run.name, s), end, LAWS[spec.law], spec.stiffness, spec.slack)
 
 
 def _touching(points: list[float], s: float) -> float:
@@ -86,7 +110,7 @@ def _too_close(line: Line, run: Run, s: float) -> str:
     )
 
 
-def _body(run: Run, spec: Spec, ends: tuple[float, float]) -> Body:
+def _body(run: Run, spec: BodySpec, ends: tuple[float, float]) -> Body:
     wire, length = run.wire, ends[1] - ends[0]
     axial = wire.axial_stiffness if spec.axial_stiffness is None else spec.axial_stiffness
     bending = wire.bending_stiffness if spec.bending_stiffness is None else spec.bending_stiffness
