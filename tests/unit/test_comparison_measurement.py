@@ -319,7 +319,8 @@ def test_page(run: Run, tmp_path: Any) -> None:
     text = page.write(tmp_path / "c.html").read_text()
     assert "<dd>Valley Railway</dd>" in text
     for words in ("missed, tolerance not checked against the standard", "EN 50318 2002",
-                  "not verified", "Span by span", "outside of it, it proves nothing", "320 km/h"):  # fmt: skip
+                  "not verified", "Span by span", "outside of it, it proves nothing",
+                  "320 km/h"):  # fmt: skip
         assert words in text.replace("\u00a0", " "), words
 
 
