@@ -66,7 +66,8 @@ def test_static_files(invoke: Invoke) -> None:
         "static", "ac-simple", *SHORT, "--set", "settings.section=[2, 2]", "--out", "line"
     )
     tables = {"droppers.csv", "elasticity.csv", "supports.csv", "design.csv"}
-    names = {"static.nc", "static.json", "line.xlsx", *tables}
+    pages = {"static.html", "workshop.xlsx", "line.xlsx"}
+    names = {"static.nc", "static.json", *pages, *tables}
     assert outcome.code == 0
     assert {path.name for path in Path("line").iterdir()} == names
     rows = Path("line/elasticity.csv").read_text(encoding="utf-8").splitlines()

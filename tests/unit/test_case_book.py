@@ -347,3 +347,30 @@ def test_wire_that_is_unknown_names_the_workbook(tmp_path: Path) -> None:
     wires = [["Wire", "Type"], ["Contact wire", "Ri 99"]]
     with pytest.raises(InputError, match=r"^.*v\.xlsx: wires\.contact\.use: the catalogue has no"):
         load_case(workbook(tmp_path / "v.xlsx", Masts=SUPPORTS, Wires=wires))
+
+
+def test_mapping_file_that_is_older_than_the_workbook(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Columns and sheets that came after the mapping was written are told, not dropped in silence;
+    what went is told with the cure."""
+    path = edited(tmp_path, lambda book: book.remove(book["Droppers"]))
+    assert run_command_line(["check", str(path)]) == 0
+    capsys.readouterr()
+    kept = (tmp_path / "v.mapping.yaml").read_text(encoding="utf-8")
+
+    def grown(book: Any) -> None:
+        book["Masts"]["G3"] = "Type"
+        book["Masts"]["G5"] = None
+
+    edited(tmp_path, grown)
+    assert run_command_line(["check", str(path)]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "does not name the column 'Type', which is left aside; remove the mapping" in told
+    assert "sheet 'Droppers': could be a table of droppers, but" in told
+    assert (tmp_path / "v.mapping.yaml").read_text(encoding="utf-8") == kept
+    (tmp_path / "v.mapping.yaml").write_text(kept.replace("Stagger", "Zigzag"), encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"no column .*; remove the mapping file to have a new one"
+    ):
+        load_case(path)

@@ -159,7 +159,9 @@ def test_all_sections_are_present(page: _Page) -> None:
     """All nine sections are there, numbered, and reached from the table of contents."""
     assert page.ids("section") == SECTIONS
     links = [attrs["href"] for tag, attrs in page.elements if tag == "a"]
-    assert links[1:] == [f"#{name}" for name in SECTIONS]
+    assert links[1:-1] == [f"#{name}" for name in SECTIONS]
+    assert links[-1] == "#animation"
+    assert "See the passage move" in page.text
 
 
 def test_every_figure_has_data_a_caption_and_a_text(page: _Page) -> None:

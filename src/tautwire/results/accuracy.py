@@ -28,7 +28,8 @@ class Accuracy(Plain):
         What they cost.
     widths : mapping of str to float
         Half width of the error bar by ``pantograph/filter/quantity`` [N], ``pantograph/loss``
-        [% of the time] and ``uplift`` [m].
+        [% of the time] and ``uplift`` [m]; of bounds also ``pantograph/history``, what the time
+        step leaves in the unfiltered force over time [N rms].
     """
 
     kind: str

@@ -30,6 +30,7 @@ from tautwire.text import shortened
 from tautwire.units import expectation
 
 ASIDE = "aside"
+RENEW = "remove the mapping file to have a new one proposed"
 Side = Literal["left", "right"]
 ALIKE = 0.8
 """Likeness from which an unknown heading is a slip of the pen: one letter in five."""
@@ -261,7 +262,8 @@ def apply_mapping(
     problems, mappings = [], []
     for name, entry in entries.items():
         if name not in by_name:
-            problems.append(f"{label}: there is no sheet {name!r}; there are: {', '.join(by_name)}")
+            there = ", ".join(by_name)
+            problems.append(f"{label}: there is no sheet {name!r}; there are: {there}; {RENEW}")
             continue
         try:
             mappings.append(_as_said(by_name[name], entry, f"{label}: {name}", kinds))
@@ -372,7 +374,7 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
         name, unit = entry_of.get("field"), str(entry_of.get("unit", ""))
         numbers = [entry_of.get(key) for key in ("strip", "sensor")]
         if heading not in columns:
-            problems.append(f"{label}: there is no column {heading!r}")
+            problems.append(f"{label}: there is no column {heading!r}; {RENEW}")
         elif name == ASIDE:
             aside.append(heading)
         elif (
@@ -388,8 +390,14 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
             uses.append(Use(columns[heading], heading, fields[name], unit, *numbers))
     if problems:
         raise InputError(problems)
+    new = [heading for heading in columns if heading not in (entry.get("columns") or {})]
+    notes = tuple(
+        f"{label}: does not name the column {heading!r}, which is left aside; {RENEW}"
+        for heading in new
+        if read_heading(heading, "", fields_of(kind)) is not None
+    )
     first = row + (2 if _units_below(sheet, row) else 1)
-    return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside), side)
+    return SheetMapping(sheet, kind, row, first, tuple(uses), (*aside, *new), side, notes)
 
 
 def _quoted(text: str) -> str:

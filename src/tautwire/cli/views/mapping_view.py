@@ -28,7 +28,7 @@ def announce_workbook(answer: Answer, reference: str) -> None:
         rows = [(use.heading, _meaning(use, use.unit)) for use in one.uses]
         rows += [(name, "kept aside") for name in one.aside]
         answer.show(heading(f"{one.sheet.name}", f"read as {one.kind}"), facts(rows))
-    for note in tables.notes:
+    for note in (*workbook.notes, *tables.notes):
         answer.say(note)
     if workbook.unread:
         answer.say(f"sheets that are no tables of a line: {', '.join(workbook.unread)}")

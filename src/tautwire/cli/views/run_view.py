@@ -86,7 +86,14 @@ def error_facts(run: Run) -> list[tuple[str, str]]:
     found = run.accuracy
     if found is None:
         return []
-    return [("± is", f"the numerical error, {found.kind}: {found.told}, {duration(found.cpu_s)}")]
+    facts = [("± is", f"the numerical error, {found.kind}: {found.told}, {duration(found.cpu_s)}")]
+    errors = {record.name: found.of(record.name, "history") for record in run.pantographs}
+    told = ", ".join(
+        f"{quantity(error, 'N', 2)} rms ({name})"
+        for name, error in errors.items()
+        if math.isfinite(error)
+    )
+    return [*facts, ("error of F(t)", f"{told}, unfiltered, from the time step")] if told else facts
 
 
 def _columns(statistics: RunStatistics) -> list[tuple[str, PantographStatistics, str]]:

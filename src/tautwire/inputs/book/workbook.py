@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,8 @@ from tautwire.inputs.reading.files import read_case_text
 from tautwire.inputs.reading.tables import line_tables, open_sheets
 from tautwire.tables.columns import BOOK_KINDS
 from tautwire.tables.line import LineTables
-from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
-from tautwire.tables.sheets import SUFFIXES
+from tautwire.tables.mapping import RENEW, SheetMapping, apply_mapping, mapping_text, propose
+from tautwire.tables.sheets import SUFFIXES, Sheet
 from tautwire.text import as_name
 from tautwire.units import UnitError, parse_quantity
 
@@ -35,6 +36,8 @@ class Workbook:
         Sheets that are no tables of a line.
     is_proposed : bool
         Whether the mapping was made from the headings.
+    notes : tuple of str
+        What the mapping file does not name but might mean.
     """
 
     path: Path
@@ -42,6 +45,7 @@ class Workbook:
     mappings: tuple[SheetMapping, ...]
     unread: tuple[str, ...]
     is_proposed: bool
+    notes: tuple[str, ...] = ()
 
     def mapping_text(self) -> str:
         """Return the mapping as the text of its file."""
@@ -76,7 +80,20 @@ def open_workbook(path: Path) -> Workbook:
         )
     used = {one.sheet.name for one in mappings}
     unread = tuple(sheet.name for sheet in sheets if sheet.name not in used)
-    return Workbook(path, mapping_file, tuple(mappings), unread, not mapping_file.is_file())
+    is_kept = mapping_file.is_file()
+    notes = [note for one in mappings for note in one.notes]
+    notes += _new_sheets(sheets, unread, mapping_file) if is_kept else []
+    return Workbook(path, mapping_file, tuple(mappings), unread, not is_kept, tuple(notes))
+
+
+def _new_sheets(sheets: Sequence[Sheet], unread: Sequence[str], file: Path) -> list[str]:
+    """Name sheets that could be tables of the line but are not in the mapping file."""
+    found = []
+    for sheet in sheets:
+        if sheet.name in unread and (one := propose(sheet, BOOK_KINDS)) is not None:
+            what = f"could be a table of {one.kind}, but {file} does not name it"
+            found.append(f"{sheet.label}: {what}; {RENEW}")
+    return found
 
 
 def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
@@ -112,7 +129,8 @@ def _completed(workbook: Workbook, said: dict[str, Any], tables: LineTables) -> 
         rows = [usual_positions(span) for span in lengths]
         tables.values["droppers"] = {"positions": rows, "presag": _presag(wish, lengths, rows)}
         tables.notes.append(f"{workbook.path}: no table of droppers; they are placed by rule")
-    elif lengths and _lacks_presag(droppers := tables.values.get("droppers")):
+    elif lengths and _lacks_presag(tables.values.get("droppers")):
+        droppers = tables.values["droppers"]
         droppers["presag"] = _presag(wish, lengths, droppers["positions"])
         tables.notes.append(
             f"{workbook.path}: the table of droppers has neither lengths nor pre-sag; a pre-sag by "

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tautwire.assessment.checks import Check
+from tautwire.report.figures.animation import filmed
 from tautwire.report.figures.line_figures import highest_support
 from tautwire.report.parts import published
 from tautwire.report.parts.blocks import (
@@ -16,6 +17,7 @@ from tautwire.report.parts.blocks import (
     Heading,
     Key,
     Keys,
+    Link,
     Section,
     Table,
     Text,
@@ -66,6 +68,8 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     blocks += [Text(_statement(view, many=len(views) > 1), "statement") for view in views]
     if len(shown) == 1 and math.isfinite(statistics_of(shown[0]).headline.mean):
         blocks.append(_keys(views[0]))
+    if filmed(views):
+        blocks.append(Link("See the passage move", "animation"))
     tables = (_force_table(shown), _passage_table(shown))
     blocks += [Columns(tables)] if len(shown) == 1 else tables
     blocks += [Text(_filter_statement(shown), "note"), Heading("Limits")]
