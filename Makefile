@@ -1,5 +1,5 @@
 # `make check` is exactly what continuous integration runs; the other targets use the current environment.
-.PHONY: check lint format test coverage docs validation
+.PHONY: check lint format test coverage docs pictures validation
 
 check:
 	bash .ci/run
@@ -26,6 +26,10 @@ coverage:
 
 docs:
 	sphinx-build -W --keep-going -b html docs build/docs
+
+# Draws the pictures of the documentation anew, from lines and passages that are computed for them.
+pictures:
+	python docs/_ext/pictures.py
 
 # Runs every test and stores the rows of the validation table that the documentation shows.
 validation:

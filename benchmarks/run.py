@@ -1,8 +1,15 @@
-"""Print what tautwire costs on this machine: ``python benchmarks/run.py``.
+"""Print what tautwire costs on this machine, in one table: ``python benchmarks/run.py``.
 
-Each line is measured in a process of its own: a passage of AC simple at 320 km/h with steps of
-1 ms, solved to the default tolerance on one thread. Figures are CPU time; the last columns say what
-the machine could do at that moment (see machine.py).
+Each row is measured in a process of its own. Passages are those of AC simple at 320 km/h with steps
+of 1 ms, solved to the default tolerance on one thread; their figures are seconds per simulated
+second. The whole run is ``tautwire run ac-simple`` with NAD 9, its imports and files included.
+Beside each figure stands what the machine could do at that moment (see machine.py), and ``work``:
+the CPU time in units of the matrix product of that moment, GFlop. It is what a run is compared by:
+
+    python benchmarks/run.py --store benchmarks/stored.json      # keep this run
+    python benchmarks/run.py --compare benchmarks/stored.json    # the default
+
+The last line tells what costs more than 10 % more work than stored; the exit code is 1 then.
 """
 
 from __future__ import annotations
@@ -11,84 +18,189 @@ import argparse
 import importlib.util
 import json
 import os
+import re
+import resource
 import subprocess
 import sys
-from collections.abc import Iterable
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-WORKER = Path(__file__).with_name("passage.py")
-EXUDYN = Path(__file__).with_name("exudyn_line.py")
+import machine
+
+from tautwire.numerics.motion.backend import _load
+
+HERE = Path(__file__).parent
+STORED = HERE / "stored.json"
+REGRESSION = 0.10
+"""Share by which the work of a row may grow before it is told."""
+LEVELS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2"}
 HEAD = (
-    "spans  NAD     DOF  it/step  CPU s per simulated s  MDOF-steps/s  set-up s  peak MB"
-    "  dgemm GF/s  cache GB/s  DRAM GB/s  kernels"
+    f"{'':22s}{'CPU s':>8s}{'wall s':>8s}{'work':>9s}{'stored':>9s}{'DOF':>8s}{'it/step':>8s}"
+    f"{'MB':>6s}{'dgemm GF/s':>11s}{'cache GB/s':>11s}{'DRAM GB/s':>10s}  kernels"
 )
 
+Row = dict[str, Any]
 
-def measured(level: str = "", **options: Any) -> dict[str, Any]:
-    """Run the worker with some options, on an instruction set."""
+
+def passage(level: str = "", repeats: int = 1, **options: Any) -> Row:
+    """Measure a passage, on an instruction set; of several repeats the one of least work."""
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     if level:
         environment["TAUTWIRE_SIMD"] = level
     words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
-    answer = subprocess.run(
-        [sys.executable, str(WORKER), *words],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=environment,
-    )
-    return json.loads(answer.stdout)
-
-
-def line(m: dict[str, Any]) -> str:
-    """Return one line of the table."""
-    rate = m["dof"] / m["cpu_per_s"] / 1000.0
-    return (
-        f"{m['spans']:5d}  {m['nodes']:3d}  {m['dof']:6d}  {m['iterations']:7.2f}"
-        f"  {m['cpu_per_s']:9.3f} (median {m['median_per_s']:.3f})  {rate:12.0f}"
-        f"  {m['setup_s']:8.2f}  {m['memory_mb']:7.0f}  {m['dgemm']:10.1f}"
-        f"  {m['cached']:10.1f}  {m['memory']:9.1f}  {m['backend']}"
-    )
-
-
-def table(title: str, rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Print a table while it is measured and return its rows."""
-    print(f"\n{title}\n{HEAD}", flush=True)
-    done = []
-    for row in rows:
-        done.append(row)
-        print(line(row), flush=True)
-    return done
-
-
-def main() -> None:
-    """Measure meshes, line lengths and instruction sets."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=2.0, help="simulated seconds per line")
-    seconds = parser.parse_args().seconds
-    table("Meshes", (measured(nodes=n, seconds=seconds) for n in (9, 15, 18)))
-    lengths = table(
-        "Lengths of the line", (measured(spans=n, seconds=seconds) for n in (17, 34, 68))
-    )
-    cost = [row["cpu_per_s"] / row["spans"] for row in lengths]
-    print(f"CPU time per span and second, 68 spans against 17: {cost[-1] / cost[0]:.3f}")
-    if "AVX" in lengths[0]["backend"] or "SSE" in lengths[0]["backend"]:
-        levels = ("v4", "v3", "v2") if "512" in lengths[0]["backend"] else ("v3", "v2")
-        rows = table("Instruction sets", (measured(level, seconds=seconds) for level in levels))
-        ratios = ", ".join(
-            f"{name} {row['cpu_per_s'] / rows[0]['cpu_per_s']:.2f}"
-            for name, row in zip(levels, rows, strict=True)
+    command = [sys.executable, str(HERE / "passage.py"), *words]
+    rows = []
+    for _ in range(repeats):
+        answer = subprocess.run(
+            command, capture_output=True, text=True, check=True, env=environment
         )
-        print(f"CPU time relative to the first: {ratios}")
-    table("NumPy reference", [measured(seconds=0.3, backend="reference")])
-    print("\nThe same two-wire line in Exudyn", flush=True)
-    if importlib.util.find_spec("exudyn") is None:
-        print("left out: exudyn is not installed (pip install exudyn==1.13.6)")
-        return
+        found = json.loads(answer.stdout)
+        found |= {"cpu_s": found["cpu_per_s"], "wall_s": found["wall_per_s"]}
+        rows.append(found | {"work": found["cpu_s"] * found["dgemm"]})
+    return min(rows, key=lambda row: row["work"])
+
+
+def whole_run(repeats: int = 1, **changes: Any) -> Row:
+    """Measure ``tautwire run ac-simple``; of several repeats the one of least work."""
+    sets = [word for path, value in changes.items() for word in ("--set", f"{path}={value}")]
+    rows = []
+    for _ in range(repeats):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, "-m", "tautwire", "run", "ac-simple", *sets, "--json"]
+            before, begin = machine.measure(), time.perf_counter()
+            spent = _children()
+            answer = subprocess.run(
+                [*command, "--out", folder], capture_output=True, text=True, check=True
+            )
+            cpu, wall = _children() - spent, time.perf_counter() - begin
+        here, told = machine.measure().best_with(before), json.loads(answer.stdout)
+        rows.append(
+            {
+                "cpu_s": cpu,
+                "wall_s": wall,
+                "work": cpu * here.dgemm,
+                "dof": told["cost"]["dof"],
+                "iterations": told["cost"]["iterations_mean"],
+                "backend": told["conventions"]["backend"],
+                **vars(here),
+            }
+        )
+    return min(rows, key=lambda row: row["work"])
+
+
+def exudyn() -> Row:
+    """Measure the two-wire line in Exudyn, a general program, which takes minutes."""
+    before = machine.measure()
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
-    subprocess.run([sys.executable, str(EXUDYN)], check=True, env=environment)
+    command = [sys.executable, str(HERE / "exudyn_line.py")]
+    answer = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    told = re.search(r"^Exudyn: ([\d.]+) CPU s", answer.stdout, re.MULTILINE)
+    assert told is not None, answer.stdout
+    here, cpu = machine.measure().best_with(before), float(told[1])
+    return {"cpu_s": cpu, "work": cpu * here.dgemm, "backend": "Exudyn", **vars(here)}
+
+
+def _children() -> float:
+    """Return the CPU time of all processes that were started and have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def rows_of(seconds: float, repeats: int, spans: int) -> dict[str, Callable[[], Row]]:
+    """Return what is measured, by name; what the processor lacks is left out later."""
+
+    def own(**options: Any) -> Callable[[], Row]:
+        return lambda: passage(repeats=repeats, **{"seconds": seconds, "spans": spans, **options})
+
+    rows = {f"{spans} spans, NAD {nodes}": own(nodes=nodes) for nodes in (9, 15, 18)}
+    rows |= {f"{n * spans} spans, NAD 9": own(spans=n * spans) for n in (2, 4)}
+    rows |= {f"NAD 9, {name}": own(level=level) for level, name in LEVELS.items()}
+    rows["NAD 9, NumPy"] = own(backend="reference", seconds=0.15 * seconds)
+    rows["whole run, NAD 9"] = lambda: whole_run(
+        repeats, **{"settings.nodes_between_droppers": 9, "line.spans": spans, **_inside(spans)}
+    )
+    if importlib.util.find_spec("exudyn") is not None:
+        rows["two wires, Exudyn"] = exudyn
+    return rows
+
+
+def _inside(spans: int) -> dict[str, str]:
+    """Return the section of a line that is shorter than the case's own section asks for."""
+    return {} if spans >= 17 else {"settings.section": f"[2, {spans - 1}]"}
+
+
+def line(name: str, row: Row, stored: Mapping[str, Row]) -> str:
+    """Return one line of the table."""
+    known = stored.get(name, {}).get("work")
+    before = "" if known is None else f"{known:.2f}"
+    number = {key: value for key, value in row.items() if isinstance(value, (int, float))}
+
+    def cell(key: str, form: str) -> str:
+        return format(number[key], form) if key in number else " " * int(form.split(".")[0])
+
+    return (
+        f"{name:22s}{cell('cpu_s', '8.3f')}{cell('wall_s', '8.3f')}{cell('work', '9.2f')}"
+        f"{before:>9s}{cell('dof', '8.0f')}{cell('iterations', '8.2f')}{cell('memory_mb', '6.0f')}"
+        f"{cell('dgemm', '11.1f')}{cell('cached', '11.1f')}{cell('memory', '10.1f')}"
+        f"  {row['backend']}"
+    )
+
+
+def compared(rows: Mapping[str, Row], stored: Mapping[str, Row]) -> tuple[str, bool]:
+    """Say in one line what costs more work than stored, and whether anything does.
+
+    Rows that other kernels have computed are not compared.
+    """
+    both = [n for n in rows if n in stored and rows[n]["backend"] == stored[n]["backend"]]
+    grown = {n: rows[n]["work"] / stored[n]["work"] - 1.0 for n in both}
+    slower = {n: share for n, share in grown.items() if share > REGRESSION}
+    if not both:
+        return "nothing to compare with", False
+    if not slower:
+        return f"no regression of more than {REGRESSION:.0%} in {len(both)} rows compared", False
+    told = ", ".join(f"{name} +{share:.0%}" for name, share in slower.items())
+    return f"REGRESSION in {len(slower)} of {len(both)} rows compared: {told}", True
+
+
+def available(name: str) -> bool:
+    """Tell whether the processor has the kernels of a row."""
+    level = next((level for level, words in LEVELS.items() if name.endswith(words)), None)
+    core = None if level is None else _load()[0]
+    return level is None or (core is not None and level in core.runnable)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, print, store and compare."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--seconds", type=float, default=2.0, help="simulated seconds per row")
+    parser.add_argument("--repeats", type=int, default=3, help="measurements per row")
+    parser.add_argument("--spans", type=int, default=17, help="length of the line")
+    parser.add_argument("--only", nargs="*", help="parts of the names of rows")
+    parser.add_argument("--store", type=Path, help="file to keep the rows in")
+    parser.add_argument("--compare", type=Path, default=STORED, help="file of stored rows")
+    given = parser.parse_args(arguments)
+    stored = json.loads(given.compare.read_text()) if given.compare.exists() else {}
+    print(HEAD, flush=True)
+    rows: dict[str, Row] = {}
+    for name, measure in rows_of(given.seconds, given.repeats, given.spans).items():
+        if given.only and not any(part in name for part in given.only):
+            continue
+        if not available(name):
+            print(f"{name:22s} not on this processor")
+            continue
+        rows[name] = measure()
+        print(line(name, rows[name], stored), flush=True)
+    if "two wires, Exudyn" not in rows and not given.only:
+        print("two wires, Exudyn      not installed (pip install exudyn==1.13.6)")
+    text, has_regressed = compared(rows, stored)
+    print(text)
+    if given.store:
+        given.store.write_text(json.dumps(rows, indent=1) + "\n")
+    return int(has_regressed)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

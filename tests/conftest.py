@@ -40,6 +40,20 @@ def _tolerance(
     return f"± {100 * relative:g} %" if relative is not None else f"± {absolute:g}"
 
 
+@pytest.fixture(autouse=True)
+def _figures_are_what_plotly_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the package plotly check every key of every figure that a test puts on a page."""
+    from tautwire.report.drawing import Drawing
+
+    written = Drawing.to_json
+
+    def checked(drawing: Drawing) -> str:
+        drawing.to_figure()
+        return written(drawing)
+
+    monkeypatch.setattr(Drawing, "to_json", checked)
+
+
 @pytest.fixture
 def record_validation(request: pytest.FixtureRequest) -> Callable[..., bool]:
     """Compare a number with its source and store the row of the validation table.

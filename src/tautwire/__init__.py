@@ -31,13 +31,15 @@ if TYPE_CHECKING:
     from tautwire.analyses.vibration.modes import modes
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
+    from tautwire.inputs.book.case_book import write_workbook
     from tautwire.inputs.load import load_case
-    from tautwire.inputs.recording import load_recording
-    from tautwire.inputs.survey import load_survey
+    from tautwire.inputs.reading.recording import load_recording
+    from tautwire.inputs.reading.survey import load_survey
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
     from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.report.layout_plan.plan import layout_plan
     from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
     from tautwire.results.run import Run
@@ -78,6 +80,7 @@ __all__ = [
     "elasticity",
     "find_shape",
     "iterate",
+    "layout_plan",
     "load_case",
     "load_equilibrium",
     "load_recording",
@@ -93,6 +96,7 @@ __all__ = [
     "save_run",
     "simulate",
     "write_report",
+    "write_workbook",
 ]
 
 _HOMES = {
@@ -120,12 +124,13 @@ _HOMES = {
     "elasticity": "tautwire.analyses.road.elasticity",
     "find_shape": "tautwire.analyses.road.shape",
     "iterate": "tautwire.analyses.road.dynamics",
+    "layout_plan": "tautwire.report.layout_plan.plan",
     "load_case": "tautwire.inputs.load",
     "load_equilibrium": "tautwire.results.storage",
-    "load_recording": "tautwire.inputs.recording",
+    "load_recording": "tautwire.inputs.reading.recording",
     "load_run": "tautwire.results.storage",
     "load_study": "tautwire.studies.study_file",
-    "load_survey": "tautwire.inputs.survey",
+    "load_survey": "tautwire.inputs.reading.survey",
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
     "rank": "tautwire.analyses.survey.rank",
@@ -135,6 +140,7 @@ _HOMES = {
     "save_run": "tautwire.results.storage",
     "simulate": "tautwire.analyses.road.dynamics",
     "write_report": "tautwire.report.pages.run_page",
+    "write_workbook": "tautwire.inputs.book.case_book",
 }
 
 register("plot", "tautwire.report.pages.notebook", "RunPlots")

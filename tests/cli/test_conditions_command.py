@@ -36,8 +36,10 @@ def write(text: str = CASE) -> Path:
 def test_conditions_side_by_side(invoke: Invoke) -> None:
     """``static`` shows all conditions beside the design, in 80 columns and as JSON, CSV and a
     page; one that cannot be is told with its place, and the exit code says so."""
-    outcome = invoke("static", write(), "--out", "made")
+    Path("block.yaml").write_text("client: Valley Railway\n", encoding="utf-8")
+    outcome = invoke("static", write(), "--out", "made", "--project", "block.yaml")
     assert outcome.code == 1
+    assert "<dd>Valley Railway</dd>" in Path("made/conditions.html").read_text(encoding="utf-8")
     assert max(map(len, outcome.out.splitlines())) <= 80
     for text in ("cold", "(weights", "dropper 5 of span 2", "steady arm at support"):
         assert text in outcome.out

@@ -22,7 +22,7 @@ import yaml
 
 from tautwire.catalogue.entries import read_entry
 from tautwire.errors import InputError
-from tautwire.inputs.recording import load_recording
+from tautwire.inputs.reading.recording import load_recording
 from tautwire.studies.axes import write_out
 from tautwire.studies.plan import plan_study
 from tautwire.studies.study_file import load_study

@@ -54,6 +54,9 @@ def test_folder_of_another_run_is_refused(invoke: Invoke) -> None:
     written = {
         "static.nc",
         "static.json",
+        "line.xlsx",
+        "workshop.xlsx",
+        "static.html",
         "droppers.csv",
         "elasticity.csv",
         "supports.csv",
@@ -194,7 +197,7 @@ def test_stopped_static_keeps_its_shape(invoke: Invoke, monkeypatch: pytest.Monk
     assert outcome.code == 143
     assert outcome.document["status"] == "partial"
     assert outcome.document["elasticity"] is None
-    kept = {"static.nc", "static.json", "droppers.csv", "supports.csv", "design.csv"}
+    kept = {"static.nc", "static.json", "droppers.csv", "line.xlsx", "supports.csv", "design.csv"}
     assert _names("out") == kept
     _, shape = load_equilibrium("out/static.nc")
     assert np.isfinite(shape.position).all()

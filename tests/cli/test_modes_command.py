@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,21 @@ def test_modes_near_a_frequency(invoke: Invoke) -> None:
     assert ranked == sorted(shares, reverse=True)
 
 
+def test_first_modes_by_default(invoke: Invoke) -> None:
+    """Without a frequency the lowest modes are found and listed by rising frequency; none lies
+    below them, by Sylvester's count."""
+    outcome = invoke("modes", "ac-simple", *LINE, "--count", "6")
+    assert outcome.code == 0, outcome.err
+    assert "the first 6 modes" in outcome.out
+    listed = [float(f) for f in re.findall(r"^ *(\d+\.\d{4}) ", outcome.out, re.MULTILINE)]
+    assert listed == sorted(listed)
+    assert len(listed) == 6
+    document = invoke("modes", "ac-simple", *LINE, "--count", "6", "--near", "0", "--json").document
+    assert [f"{mode['frequency_hz']:.4f}" for mode in document["modes"]] == [
+        f"{frequency:.4f}" for frequency in listed
+    ]
+
+
 def test_modes_for_people(invoke: Invoke) -> None:
     """The table fits a terminal of 80 columns."""
     outcome = invoke("modes", "ac-simple", *LINE, "--count", "5")
@@ -37,8 +53,10 @@ def test_modes_for_people(invoke: Invoke) -> None:
 
 def test_modes_by_wavelength(invoke: Invoke, tmp_path: Path) -> None:
     """A named length of the line is a wavelength; tables, shapes and a page are written."""
+    (tmp_path / "block.yaml").write_text("client: Valley Railway\n", encoding="utf-8")
     arguments = ("--wavelength", "dd/2", "--count", "2", "--out", tmp_path / "modes", "--json")
-    outcome = invoke("modes", "ac-simple", *LINE, *arguments)
+    signed = ("--project", tmp_path / "block.yaml")
+    outcome = invoke("modes", "ac-simple", *LINE, *arguments, *signed)
     assert outcome.code == 0, outcome.err
     document = outcome.document
     assert document["wavelength_m"] == pytest.approx(2.875)
@@ -49,6 +67,7 @@ def test_modes_by_wavelength(invoke: Invoke, tmp_path: Path) -> None:
     )
     page = (tmp_path / "modes" / "modes.html").read_text(encoding="utf-8")
     assert "Pre-sag" in page
+    assert "<dd>Valley Railway</dd>" in page
 
 
 @pytest.mark.parametrize(

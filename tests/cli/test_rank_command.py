@@ -16,7 +16,7 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
         (tmp_path / f"{name}.json").write_text(json.dumps(one.to_dict()), encoding="utf-8")
     shown = invoke("rank", tmp_path / "line.json", tmp_path / "built.json", "--out", "out")
     assert shown.code == 0, shown.err
-    assert "3 passages" in shown.out
+    assert "4 passages" in shown.out
     assert "+20.0" in shown.out
     page = (tmp_path / "out" / "corrections.html").read_text(encoding="utf-8")
     assert "dropper 5 of span 2" in page

@@ -49,13 +49,25 @@ def test_static_for_people(invoke: Invoke) -> None:
     assert not list(Path().iterdir())
 
 
+def test_a_narrow_terminal_loses_no_digit(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 40 columns every number of a wide terminal is there, whole."""
+
+    def numbers(columns: int) -> list[str]:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        outcome = invoke("static", "ac-simple", *SHORT, "--set", "settings.section=[2, 2]")
+        return sorted(re.findall(r"-?\d+\.\d+", outcome.out))
+
+    assert numbers(40) == numbers(160)
+
+
 def test_static_files(invoke: Invoke) -> None:
     """With ``--out`` the static state and its tables are files."""
     outcome = invoke(
         "static", "ac-simple", *SHORT, "--set", "settings.section=[2, 2]", "--out", "line"
     )
     tables = {"droppers.csv", "elasticity.csv", "supports.csv", "design.csv"}
-    names = {"static.nc", "static.json", *tables}
+    pages = {"static.html", "workshop.xlsx", "line.xlsx"}
+    names = {"static.nc", "static.json", *pages, *tables}
     assert outcome.code == 0
     assert {path.name for path in Path("line").iterdir()} == names
     rows = Path("line/elasticity.csv").read_text(encoding="utf-8").splitlines()

@@ -37,6 +37,33 @@ def test_passage(root: Path) -> None:
 
 @pytest.mark.slow
 @needs_core
+def test_table_is_stored_and_compared(root: Path, tmp_path: Path) -> None:
+    """Rows are stored as JSON with the machine beside them; the last line compares with stored rows
+    and names what costs more than 10 % more work than then."""
+    file = tmp_path / "stored.json"
+    size = ("--spans", "4", "--seconds", "0.1", "--repeats", "1")
+    words = (*size, "--only", "4 spans, NAD 9", "whole", "--store", str(file))
+    text = output(root, "run.py", *words, "--compare", str(file))
+    assert text.splitlines()[-1] == "nothing to compare with"
+    rows = json.loads(file.read_text())
+    assert list(rows) == ["4 spans, NAD 9", "whole run, NAD 9"]
+    for row in rows.values():
+        assert row["work"] == pytest.approx(row["cpu_s"] * row["dgemm"])
+        assert row["wall_s"] > 0.0
+    rows["4 spans, NAD 9"]["work"] /= 1e3
+    rows["whole run, NAD 9"]["work"] *= 1e3
+    file.write_text(json.dumps(rows))
+    command = [sys.executable, str(root / "benchmarks" / "run.py"), *words[:-2]]
+    again = subprocess.run(
+        [*command, "--compare", str(file)], capture_output=True, text=True, check=False
+    )
+    assert again.returncode == 1, again.stderr
+    last = again.stdout.splitlines()[-1]
+    assert last.startswith("REGRESSION in 1 of 2 rows compared: 4 spans, NAD 9 +")
+
+
+@pytest.mark.slow
+@needs_core
 def test_profile(root: Path) -> None:
     """The profile's shares make up the whole step."""
     text = output(root, "profile_steps.py", "--spans", "4", "--nodes", "4")

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import ast
+import hashlib
 import re
+import tomllib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from plotly.offline import get_plotlyjs_version
+
 import tautwire
+from tautwire.report.writers.html import BASIC_TRACES, basic_library
+
+CHART_LIBRARY = "4.1.1"
+"""Version of plotly.js-basic-dist-min on the npm registry, and the digest of its script."""
+CHART_LIBRARY_SHA256 = "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba"
 
 
 def test_only_the_command_line_prints(sources: dict[str, ast.Module]) -> None:
@@ -78,3 +87,43 @@ def test_make_check_is_ci(root: Path) -> None:
     workflow = (root / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
     assert "check:\n\tbash .ci/run\n" in makefile
     assert "run: bash .ci/run" in workflow
+
+
+def test_chart_library_is_the_one_that_is_named(root: Path) -> None:
+    """The basic plotly.js is the published file, unchanged, its licence beside it."""
+    folder = root / "src" / "tautwire" / "report" / "templates" / "plotly"
+    script = (folder / "plotly-basic.min.js").read_bytes()
+    assert hashlib.sha256(script).hexdigest() == CHART_LIBRARY_SHA256
+    named = re.search(rb"plotly\.js \(basic - minified\) v([\d.]+)", script[:200])
+    assert named
+    assert named[1].decode() == CHART_LIBRARY
+    assert (folder / "LICENSE").read_text(encoding="utf-8").startswith("MIT License")
+    licences = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    assert set(licences["project"]["license-files"]) == {
+        "LICENSE",
+        "src/tautwire/report/templates/plotly/LICENSE",
+    }
+
+
+def test_chart_library_knows_what_the_figures_say() -> None:
+    """Python's Plotly, which describes the figures, speaks of the same generation of plotly.js."""
+    spoken = get_plotlyjs_version()
+    assert spoken.split(".")[0] == CHART_LIBRARY.split(".")[0]
+
+
+def test_basic_traces_are_in_the_basic_library() -> None:
+    """The kinds of traces for which the basic plotly.js is taken are those that it has."""
+    script = basic_library().read_text(encoding="utf-8")
+    assert set(re.findall(r'moduleType:"trace",name:"(\w+)"', script)) == BASIC_TRACES
+
+
+def test_a_folder_holds_at_most_twelve_files(root: Path) -> None:
+    """Folders stay small enough to be read at a glance; compiled files do not count."""
+    folders = {path.parent for path in (root / "src" / "tautwire").rglob("*.py")}
+    counts = {
+        str(folder.relative_to(root)): sum(
+            path.is_file() and path.suffix not in {".so", ".pyd"} for path in folder.iterdir()
+        )
+        for folder in folders
+    }
+    assert not {folder: count for folder, count in counts.items() if count > 12}

@@ -68,7 +68,9 @@ def finished(
     """Folder and outcome of a finished study."""
     folder = tmp_path_factory.mktemp("command")
     write(folder, STUDY)
-    return folder, tautwire(folder, "study", "study.json", "--workers", "2", "--json")
+    (folder / "block.yaml").write_text("client: Valley Railway\n", encoding="utf-8")
+    options = ("--workers", "2", "--project", "block.yaml", "--json")
+    return folder, tautwire(folder, "study", "study.json", *options)
 
 
 def test_document(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
@@ -120,7 +122,9 @@ def test_files(finished: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
     written = json.loads(finished[1].stdout)["files"]
     assert set(written) == {"table.csv", "table.nc", "study.json", "study.html"}
     assert len((folder / "table.csv").read_text().splitlines()) == 7
-    assert "A short study" in (folder / "study.html").read_text(encoding="utf-8")
+    page = (folder / "study.html").read_text(encoding="utf-8")
+    assert "A short study" in page
+    assert "<dd>Valley Railway</dd>" in page
     row = json.loads(finished[1].stdout)["rows"][0]
     run = load_run(folder / "runs" / f"{row['key']}.nc")
     assert run.case.scenario.speed == pytest.approx(250 / 3.6)

@@ -10,13 +10,26 @@ import numpy as np
 import pytest
 
 import tautwire as tw
-from tautwire.analyses.road.accuracy import FACTOR, LEAST, coarser, figures, with_accuracy
+from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.accuracy import (
+    FACTOR,
+    LEAST,
+    coarser,
+    figures,
+    history_errors,
+    with_accuracy,
+)
+from tautwire.analyses.road.dynamics import simulate
+from tautwire.analyses.road.shape import find_shape
+from tautwire.cli.views.documents import run_document
+from tautwire.model.build import build
 from tautwire.report.parts.words import with_error
+from tautwire.results.accuracy import rounded
 from tautwire.results.run import Run
 from tautwire.specs.case import Case
 from tautwire.specs.step_control import StepControl
 
-from ..lines import ac_simple, found
+from ..lines import HAS_CORE, ac_simple, found
 
 
 @pytest.mark.parametrize(
@@ -37,6 +50,51 @@ from ..lines import ac_simple, found
 def test_no_digit_without_meaning(value: float, error: float, text: str) -> None:
     """The error is rounded up to its first digit, two behind a 1, and the value with it."""
     assert with_error(value, error, 2) == text
+
+
+def test_numbers_for_programs_have_no_digit_without_meaning() -> None:
+    """JSON holds the statistics that have an error bar to the digits that a person reads."""
+    run = _passage()
+    statistics = contact_statistics(run)
+    own, accuracy = statistics.pantographs[0], run.accuracy
+    assert accuracy is not None
+    told = run_document(run, statistics, (), ())["pantographs"][0]["sharp"]
+    keys = {"mean_n": "mean", "max_n": "maximum", "min_n": "minimum"}
+    for key, name in keys.items():
+        value = getattr(own.sharp, name)
+        error = accuracy.of(own.name, "sharp", name)
+        assert told[key] == rounded(value, error) != value
+        assert (
+            with_error(value, error, 9).split(" ")[0]
+            == with_error(told[key], error, 9).split(" ")[0]
+        )
+    band = own.sharp.standard_deviations["0_20"]
+    assert told["std_0_20_n"] == rounded(band, accuracy.of(own.name, "sharp", "0_20")) != band
+
+
+@pytest.mark.skipif(not HAS_CORE, reason="a step of 0.125 ms takes minutes without the core")
+def test_history_error_is_richardsons() -> None:
+    """The error of the unfiltered force that two steps tell is within a tenth that against an
+    eighth of the step, over the section; half the step leaves a quarter."""
+    case = ac_simple(
+        settings__nodes_between_droppers=6,
+        settings__time_step=1e-3,
+        settings__contact_stiffness=5e4,
+        line__spans=4,
+        settings__section=(2, 3),
+    )
+
+    def passed(factor: float, case: Case = case) -> Run:
+        own = case.with_(**{"settings.time_step": factor * 1e-3})
+        model = build(own)
+        return simulate(model, find_shape(model), uplift_forces=[160.0])
+
+    whole, half, exact = passed(1.0), passed(0.5), passed(0.125)
+    told = dict(history_errors(whole, passed(math.sqrt(2.0))))["front/history"]
+    again = dict(history_errors(half, passed(math.sqrt(0.5))))["front/history"]
+    true = dict(history_errors(exact, whole))["front/history"]
+    assert told == pytest.approx(true, rel=0.1)
+    assert told / again == pytest.approx(4.0, rel=0.1)
 
 
 def test_companions_are_coarser() -> None:

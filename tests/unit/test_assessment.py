@@ -15,6 +15,7 @@ from tautwire.assessment.limits import Limits, load_limits
 from tautwire.errors import InputError
 from tautwire.results.statistics import ContactLoss, LossEvent, RunStatistics
 from tautwire.specs.case import Case
+from tautwire.specs.line.support import UpliftStop
 
 from .synthetic import make_case, make_run
 
@@ -169,6 +170,26 @@ def test_uplift_needs_the_free_space(statistics: RunStatistics, case: Case) -> N
     rows = checks(statistics, case, free_uplift=0.12, uplift_stop=True)
     [stopped] = by_name(rows, "largest uplift")
     assert stopped.limit == pytest.approx(0.08)
+
+
+def test_free_space_comes_from_the_option_the_requirement_or_the_stops(
+    statistics: RunStatistics, case: Case
+) -> None:
+    """One order for all checks: what is asked for, then the requirement, then the smallest gap."""
+    supports = case.supports.model_copy(update={"stop": UpliftStop(gap=0.08, stiffness=1e5)})
+    stopped = case.model_copy(update={"supports": supports})
+    wished = case.requirements.model_copy(update={"uplift_space": 0.12})
+    both = stopped.model_copy(update={"requirements": wished})
+
+    def limit(one: Case, free: float | None = None) -> float:
+        [found] = by_name(checks(statistics, one, free_uplift=free), "largest uplift")
+        return found.limit
+
+    assert case.uplift_space() is None
+    assert (stopped.uplift_space(), both.uplift_space()) == (0.08, 0.12)
+    assert limit(stopped) == pytest.approx(0.08 / 1.5)
+    assert limit(both) == pytest.approx(0.12 / 1.5)
+    assert limit(both, 0.15) == pytest.approx(0.15 / 1.5)
 
 
 def test_contact_loss_counts_arcs_of_5_ms(statistics: RunStatistics, case: Case) -> None:

@@ -19,9 +19,10 @@ from tautwire.assessment.measurement import (
 from tautwire.errors import InputError
 from tautwire.measured.evaluation import Treatment
 from tautwire.measured.recording import Recording
-from tautwire.report.pages.comparison_page import write_comparison_page
+from tautwire.report.pages.comparison_page import compose_comparison
 from tautwire.results.run import Run
 from tautwire.signals.filters import Butterworth
+from tautwire.specs.project import Project
 
 from .synthetic import make_run
 
@@ -314,7 +315,9 @@ def test_coverage_of_several(run: Run) -> None:
 def test_page(run: Run, tmp_path: Any) -> None:
     """The page shows numbers, tolerances with their source, coverage, forces and spans."""
     found = compare_with_measurement(run, measured_like(run, 1.3))
-    text = write_comparison_page([run, run], [found, found], tmp_path / "c.html").read_text()
+    page = compose_comparison([run, run], [found, found], Project(client="Valley Railway"))
+    text = page.write(tmp_path / "c.html").read_text()
+    assert "<dd>Valley Railway</dd>" in text
     for words in ("missed, unverified", "EN 50318 2002", "not verified", "Span by span",
                   "outside of it, it proves nothing", "320 km/h"):  # fmt: skip
         assert words in text.replace("\u00a0", " "), words

@@ -146,7 +146,7 @@ def test_rigid_rail_is_named_first() -> None:
         ("supports__system_height", "encumbrance"),
         ("supports__wire_height", "contact_height"),
         ("supports__registration_arm", "arm"),
-        ("line__section_insulators", "neutral section or section insulator"),
+        ("line__section_insulators", "bodies"),
         ("supports__uplift_stop", "stop"),
     ],
 )

@@ -11,7 +11,7 @@ import pytest
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.reading.grouping import SHOWN
-from tautwire.inputs.recording import load_recording
+from tautwire.inputs.reading.recording import load_recording
 from tautwire.studies.study_file import load_study
 from tautwire.text import csv_text, printable, shortened, unprintable
 

@@ -151,7 +151,7 @@ def test_number_of_spans_may_agree(tmp_path: Path) -> None:
         ("support,x\n1,0\n2,1e999\n", "line 3, column 'x': got '1e999'; expected a length"),
         ("support,x\n1,0\n1.5,50\n", "column 'support': got '1.5'; expected a number 1, 2, 3"),
         ("support,x\n1,0\n2,50,7\n", "line 3: has 3 cells for 2 columns; check separators"),
-        ("support;x\n1;0\n2;1.234,5\n", "line 3, column 'x': got '1.234,5'"),
+        ("support;x\n1;0\n2;1.23,45\n", "line 3, column 'x': got '1.23,45'"),
         ("support,x\n1,50\n2,50\n", "line 3, column 'x': got 50 m after 50 m; must go on one way"),
         ("support,x,span_length\n1,0,6\n2,5,\n", "got 6 m; the column 'x' says 5 m; keep one"),
         (

@@ -14,7 +14,6 @@ from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
 from tautwire.inputs.reading.tables import open_sheets
 from tautwire.model.build import build
-from tautwire.report.parts.tables import write_dropper_table
 from tautwire.specs.schema.vocabulary import Meaning, folded, meaning_of, words_for
 from tautwire.tables.columns import KINDS, fields_of, role_of
 from tautwire.tables.mapping import propose
@@ -147,20 +146,6 @@ def test_lengths_and_masts_in_a_dropper_table(tmp_path: Path) -> None:
     assert droppers_of(case).mode == "length"
     assert droppers_of(case).lengths_by_span(8)[7] == (0.9, 0.9, 0.9)
     assert droppers_of(case).positions_by_span(8)[1] == (14.5, 29.0, 43.5)
-
-
-def test_written_dropper_table_is_read_back(tmp_path: Path) -> None:
-    """The dropper table that the program writes gives the same heights back, to 0.1 mm."""
-    shape = find_shape(build(load_case("ac-simple", ["settings.nodes_between_droppers=4"])))
-    write_dropper_table(shape, tmp_path / "droppers.csv")
-    (tmp_path / "again.yaml").write_text(
-        "schema: 1\ninclude: ac-simple\nsettings: {nodes_between_droppers: 4}\n"
-        "droppers: {mode: length}\ntables: {droppers: droppers.csv}\n",
-        encoding="utf-8",
-    )
-    again = find_shape(build(load_case(tmp_path / "again.yaml")))
-    heights = [one.dropper_heights for one in (shape, again)]
-    assert heights[0] == pytest.approx(heights[1], abs=1e-4)
 
 
 def test_presag_in_per_mille(tmp_path: Path) -> None:

@@ -30,8 +30,8 @@ def waves() -> Modes:
 
 
 def traces(figure: Any) -> dict[str, Any]:
-    """Return the curves of a figure by name."""
-    return {trace.name: trace for trace in figure.data if trace.name}
+    """Return the curves of a figure by name, checked by plotly."""
+    return {trace.name: trace for trace in figure.to_figure().data if trace.name}
 
 
 def test_mode_shape(waves: Modes) -> None:
@@ -44,7 +44,7 @@ def test_mode_shape(waves: Modes) -> None:
 
 def test_mode_spectrum_peaks_at_its_wavelength(waves: Modes) -> None:
     """The spectrum of a mode peaks at its wavelength, where the length of the line is marked."""
-    figure = mode_figures.mode_spectrum_figure(waves, 0, {"DD/2": 2.875, "mast": 0.1})
+    figure = mode_figures.mode_spectrum_figure(waves, 0, {"DD/2": 2.875, "mast": 0.1}).to_figure()
     curve = figure.data[0]
     assert 1.0 / curve.x[np.argmax(curve.y)] == pytest.approx(2.875, rel=0.02)
     assert [note.text for note in figure.layout.annotations] == ["DD/2"]
@@ -60,7 +60,7 @@ def test_spectra_side_by_side() -> None:
     }
     figure = mode_figures.spectrum_figure(spectra, {}, "amplitude [mm]", scale=1e3)
     assert set(traces(figure)) == {"short", "long"}
-    assert figure.layout.yaxis.type == "log"
+    assert figure.layout["yaxis"]["type"] == "log"
 
 
 def test_space_time_map() -> None:
@@ -68,7 +68,7 @@ def test_space_time_map() -> None:
     time, x = np.linspace(0.0, 5.0, 1000), np.linspace(0.0, 900.0, 1300)
     motion = SpaceTime(time, x, np.outer(np.sin(time), np.cos(x)), {"front": 80.0 * time})
     figure = mode_figures.space_time_figure(motion, (200.0, 500.0))
-    heat = figure.data[0]
+    heat = figure.to_figure().data[0]
     assert heat.x.min() >= 200.0
     assert heat.x.max() <= 500.0
     assert heat.z.shape == (len(heat.y), len(heat.x))

@@ -13,6 +13,7 @@ import plotly.graph_objects as go
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.report.drawing import Drawing
 from tautwire.report.parts.blocks import (
     Animation,
     Callout,
@@ -36,9 +37,9 @@ ACTING = '#panic("x") $ a_b *c* @d `e` \\ <f> // g "h" [i] \N{GREEK SMALL LETTER
 """A text of which Typst would obey every part, were it read as markup."""
 
 
-def curves() -> go.Figure:
+def curves() -> Drawing:
     """Return a figure with two curves, bars, a shape and a note."""
-    figure = go.Figure(layout={"height": 300, "barmode": "group"})
+    figure = Drawing({"height": 300, "barmode": "group"})
     figure.add_scatter(x=[0.0, 1.0], y=[1.0, np.nan], name="one $", mode="lines+markers")
     figure.add_scatter(x=np.arange(3), y=np.arange(3.0), name="two", error_y={"array": [1, 1, 1]})
     figure.add_bar(x=[0, 1], y=[1, 2], name="three")

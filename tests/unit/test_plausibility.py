@@ -233,3 +233,14 @@ def test_warnings_reach_every_answer(tmp_path: Path, monkeypatch: pytest.MonkeyP
     for text in (page, " ".join(document["warnings"])):
         assert "carry more than 0.6 of the contact wire" in text
     assert np.isfinite(document["pantographs"][0]["sharp"]["mean_n"])
+
+
+def test_a_soft_cantilever_is_told() -> None:
+    """A heel that the pull of its arm moves by more than 50 mm is named with its stiffness."""
+    soft, usual = (
+        line(supports__cantilever={"arm": {"lateral": stiffness}}) for stiffness in (1e3, 2e5)
+    )
+    (found,) = [text for text in told(soft) if text.startswith("elastic cantilever")]
+    assert "the heel at support 2 gives way by 0." in found
+    assert "supports.cantilever.arm.lateral" in found
+    assert not any(text.startswith("elastic cantilever") for text in told(usual))

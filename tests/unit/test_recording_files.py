@@ -12,7 +12,7 @@ import pytest
 
 import tautwire as tw
 from tautwire.errors import InputError
-from tautwire.inputs.recording import open_recording
+from tautwire.inputs.reading.recording import open_recording
 from tautwire.measured.evaluation import Treatment, evaluate
 from tautwire.measured.recording import Recording
 
@@ -204,6 +204,62 @@ def test_formats(make: Callable[[Path], Path], tmp_path: Path) -> None:
     check_force(load(make(tmp_path / "run")))
 
 
+def _mat_of_rates(path: Path) -> Path:
+    from scipy.io import savemat
+
+    slow, slower = TIME[::5], np.arange(0.0, TIME[-1], 0.5)
+    rates = {
+        "fast": {"time": TIME, "force": FORCE},
+        "slow": {"time": slow, "height": np.interp(slow, TIME, HEIGHT)},
+        "train": {"time": slower, "position": np.interp(slower, TIME, PLACE)},
+        "other": {"temperature": np.arange(7.0)},
+    }
+    savemat(path.with_suffix(".mat"), rates)
+    return path.with_suffix(".mat")
+
+
+def _tdms_of_rates(path: Path) -> Path:
+    nptdms = pytest.importorskip("nptdms")
+    path = path.with_suffix(".tdms")
+    slow = np.arange(0.0, TIME[-1], 0.05)
+    fast = {"wf_increment": 0.005, "unit_string": "N"}
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment([
+            nptdms.ChannelObject("Train", "Weg", np.interp(slow, TIME, PLACE),
+                                 properties={"wf_increment": 0.05, "unit_string": "m"}),
+            nptdms.ChannelObject("Train", "Height", np.interp(slow, TIME, HEIGHT),
+                                 properties={"wf_increment": 0.05, "unit_string": "m"}),
+            nptdms.ChannelObject("Panto", "Kontaktkraft", FORCE, properties=fast),
+            nptdms.ChannelObject("Slow", "temperature", np.arange(10.0)),
+        ])  # fmt: skip
+    return path
+
+
+@pytest.mark.parametrize("make", [_mat_of_rates, _tdms_of_rates], ids=lambda f: f.__name__)
+def test_several_sampling_rates(make: Callable[[Path], Path], tmp_path: Path) -> None:
+    """Channels of other rates are interpolated to the fastest clock, which is said; nothing is
+    continued beyond their last sample; the mapping that is written reads the file in the same
+    way."""
+    path = make(tmp_path / "run")
+    opened = open_recording(path)
+    recording = opened.recording
+    count = len(recording.time)
+    assert COUNT - 100 <= count < COUNT
+    np.testing.assert_allclose(recording.forces[0], FORCE[:count])
+    assert recording.height is not None
+    known = ~np.isnan(recording.height)
+    assert known[: COUNT - 110].all()
+    np.testing.assert_allclose(recording.height[known], HEIGHT[:count][known], atol=2e-3)
+    assert recording.chainage is not None
+    np.testing.assert_allclose(recording.chainage, PLACE[:count], atol=1e-6)
+    assert any("interpolated linearly to the 200" in note for note in recording.notes)
+    assert any("temperature" in note for note in recording.notes if "not read" in note)
+    opened.mapping_file.write_text(opened.mapping_text(), encoding="utf-8")
+    again = open_recording(path)
+    assert not again.is_proposed
+    np.testing.assert_array_equal(again.recording.height, recording.height)
+
+
 def test_measuring_train_with_sensors(tmp_path: Path) -> None:
     """Rows every 0.25 m with four sensors, two accelerometers, stagger and height, gaps written as
     words and a total of the recorder's own: found without a mapping, timed by the speed."""
@@ -290,6 +346,23 @@ def test_gaps_stay_gaps(tmp_path: Path) -> None:
     found = evaluate(recording)
     assert found.force is not None
     assert found.force.missing_share > 0.09
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["rising", "falling"])
+def test_a_chainage_that_jumps_back_is_counted_on(sign: float, tmp_path: Path) -> None:
+    """An equation of chainage, 250 m back within one row, is told and the way runs on; a train that
+    turns back is refused."""
+    place = np.where(np.arange(COUNT) < 700, PLACE, PLACE - 250.0) * sign
+    columns = [TIME, place, FORCE]
+    heads = ["time [s]", "position [m]", "force [N]"]
+    recording = load(written(tmp_path / "run.csv", table(heads, columns)))
+    check_force(recording)
+    assert recording.chainage is not None
+    np.testing.assert_allclose(recording.chainage, sign * PLACE, atol=1e-3)
+    assert any("jumps back in 1 places, the first by 249.8 m" in n for n in recording.notes)
+    turned = np.where(np.arange(COUNT) < 700, PLACE, 2.0 * PLACE[700] - PLACE) * sign
+    with pytest.raises(InputError, match="turns back"):
+        load(written(tmp_path / "turned.csv", table(heads, [TIME, turned, FORCE])))
 
 
 def test_time_and_speed_alone(tmp_path: Path) -> None:

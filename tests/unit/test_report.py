@@ -18,7 +18,8 @@ from tautwire.analyses.force.contact_loss import contact_loss
 from tautwire.errors import InputError
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.report.pages.run_page import write_report
-from tautwire.report.writers.html import without_addresses
+from tautwire.report.parts.blocks import Chart
+from tautwire.report.writers.html import chart_library, without_addresses
 from tautwire.results.run import Run
 
 from .synthetic import make_case, make_elasticity, make_run
@@ -37,7 +38,13 @@ SECTIONS = [
     ),
     "animation",
 ]
-LARGEST = 15_000_000
+LARGEST = 3_000_000
+"""Bytes of a page that is sent by mail."""
+CHANGED_WIRE = {
+    "tension": 2.1e4, "mass": 1.2, "axial_stiffness": 1.2e7, "bending_stiffness": 110.0,
+    "strength": 5e4, "diameter": 0.012, "thermal_expansion": 1.6e-5,
+}  # fmt: skip
+LARGEST_OF_MANY = 12_000_000
 
 
 class _Page(HTMLParser):
@@ -84,6 +91,10 @@ def _page(runs: Run | list[Run], folder: Path, *args: Any, **more: Any) -> _Page
     return _Page(path.read_text(encoding="utf-8"))
 
 
+def _chart(kind: str) -> Chart:
+    return Chart(kind, json.dumps({"data": [{"type": kind}], "layout": {}}), "", "", 400)
+
+
 def _unpacked(item: dict[str, Any]) -> np.ndarray:
     return np.frombuffer(base64.b64decode(item["bdata"]), dtype=f"<{item['dtype']}")
 
@@ -108,7 +119,7 @@ def page(path: Path) -> _Page:
 
 
 def test_page_is_small(path: Path) -> None:
-    """The report of a 17-span run has less than 15 MB and is a single file."""
+    """The report of a 17-span run has less than 3 MB and is a single file."""
     assert path.stat().st_size < LARGEST
     assert [item.name for item in path.parent.iterdir()] == ["report.html"]
 
@@ -134,14 +145,23 @@ def test_page_needs_no_network(path: Path, page: _Page) -> None:
 
 def test_chart_library_stands_once(page: _Page) -> None:
     """plotly.js is on the page exactly once."""
-    assert sum("plotly.js v" in script[:200] for script in page.scripts) == 1
+    assert sum("plotly.js (basic" in script[:200] for script in page.scripts) == 1
+
+
+def test_figures_that_need_more_get_the_whole_chart_library() -> None:
+    """Only box plots and heat maps ask for the plotly.js with all kinds of traces."""
+    plain = [_chart("scatter"), _chart("bar")]
+    assert "plotly.js (basic" in chart_library(plain)[:200]
+    assert "plotly.js v" in chart_library([*plain, _chart("box")])[:200]
 
 
 def test_all_sections_are_present(page: _Page) -> None:
     """All nine sections are there, numbered, and reached from the table of contents."""
     assert page.ids("section") == SECTIONS
     links = [attrs["href"] for tag, attrs in page.elements if tag == "a"]
-    assert links[1:] == [f"#{name}" for name in SECTIONS]
+    assert links[1:-1] == [f"#{name}" for name in SECTIONS]
+    assert links[-1] == "#animation"
+    assert "See the passage move" in page.text
 
 
 def test_every_figure_has_data_a_caption_and_a_text(page: _Page) -> None:
@@ -332,6 +352,45 @@ def test_masthead_speaks_of_every_run(tmp_path: Path) -> None:
         assert run.case.hash()[:12] in text[text.rindex("<footer") :]
 
 
+def _rows(page: Path, first: str, last: str) -> str:
+    text = page.read_text(encoding="utf-8")
+    part = text[text.index(first) : text.index(last)]
+    return " ".join(re.sub(r"<[^>]+>", " ", part).split())
+
+
+def test_overlay_begins_with_what_differs(tmp_path: Path) -> None:
+    """Figures of lines that differ, results and inputs stand first, with the change from the first
+    run; what is alike is left out, and an item that one run lacks is one row."""
+    one = make_run(make_case(spans=8))
+    faster = {"speed": 300 / 3.6, "mean_force": 169.0}
+    other = make_run(make_case(spans=12, pantographs=2, scenario=faster))
+    path = write_report([one, other], tmp_path / "report.html", labels=["long", "short"])
+    told = _rows(path, "What differs between the runs", ">Results<")
+    change = 100.0 * (300.0 / 320.0 - 1.0)
+    assert "spans 8 12 (+50.0 %)" in told
+    even = told.replace("\xa0", " ")
+    assert f"speed 320 km/h 300 km/h (\N{MINUS SIGN}{-change:.1f} %)" in even
+    assert "tension, contact" not in told
+    assert "mean contact force" in told
+    assert "pantographs[2] – given" in told
+    assert "pantographs[2]." not in told
+    alone = write_report(one, tmp_path / "alone.html").read_text(encoding="utf-8")
+    assert "What differs" not in alone
+
+
+def test_many_differences_are_folded_away(tmp_path: Path) -> None:
+    """More than a dozen inputs that differ do not push the results out of sight."""
+    run = make_run(make_case(spans=6))
+    changes = {f"wires.contact.{name}": value for name, value in CHANGED_WIRE.items()}
+    changes |= {f"wires.messenger.{name}": value for name, value in CHANGED_WIRE.items()}
+    changes |= {"line.damping.mass": 0.02, "line.damping.stiffness": 1e-5}
+    other = dataclasses.replace(run, case=run.case.with_(**changes))
+    told = _rows(write_report([run, other], tmp_path / "a.html"), "What differs", ">Results<")
+    shown, folded = told.split("more difference", 1)
+    assert shown.rsplit(None, 1)[-1].isdigit()
+    assert "wires.messenger.mass" in shown + folded
+
+
 def test_runs_stand_side_by_side(overlaid: _Page) -> None:
     """The statistics have a column per run, pantograph and filter; differences are listed."""
     assert "200 kN/m, front 50 kN/m, front 50 kN/m, rear" in overlaid.text
@@ -354,7 +413,7 @@ def test_many_runs_stay_small(tmp_path: Path) -> None:
         )
         for n in range(12)
     ]
-    assert write_report(runs, tmp_path / "many.html").stat().st_size < LARGEST
+    assert write_report(runs, tmp_path / "many.html").stat().st_size < LARGEST_OF_MANY
 
 
 def test_names_are_escaped(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tautwire.cli.app import run_command_line
 from tautwire.report.pages.run_page import write_report
 from tautwire.report.writers.html import script_hash
 
@@ -38,6 +39,17 @@ setTimeout(() => {
   console.log(`requests ${performance.getEntriesByType("resource").length}`);
   console.log(`readout ${part("readout").textContent}`);
 }, 3000);
+"""
+WIDTHS = """
+addEventListener("load", () => setTimeout(() => {
+  document.querySelectorAll("details").forEach((details) => { details.open = true; });
+  window.dispatchEvent(new Event("beforeprint"));
+  const { scrollWidth, clientWidth } = document.documentElement;
+  console.log(`width ${clientWidth} needs ${scrollWidth}`);
+}, 1000));
+"""
+TELEPHONE = """<!DOCTYPE html>
+<iframe src="report.html" width="420" height="900" style="border: 0"></iframe>
 """
 INJECTED = """
 <script>console.log('a script ran')</script>
@@ -87,3 +99,37 @@ def test_injected_scripts_do_not_run(tmp_path: Path) -> None:
     assert "the end" in told
     assert " ran" not in told
     assert told.count("violates the following Content Security Policy directive") == 2
+
+
+@pytest.mark.slow
+def test_page_fits_a_telephone(tmp_path: Path) -> None:
+    """At 420 pixels nothing but tables within their frames is wider than the screen."""
+    first, second = make_case(spans=8), make_case(spans=8, pantographs=2)
+    runs = [make_run(first, losses=True), make_run(second)]
+    page = write_report(runs, tmp_path / "report.html", make_elasticity(first))
+    _check_width(page)
+
+
+@pytest.mark.slow
+def test_static_page_fits_a_telephone(tmp_path: Path) -> None:
+    """The page of the static line with its workshop sheet is no wider than 420 pixels either."""
+    code = run_command_line(
+        ["static", "ac-simple", "--set", "line.spans=6", "--set", "settings.section=null",
+         "--set", "settings.nodes_between_droppers=4", "--out", str(tmp_path)]
+    )  # fmt: skip
+    assert code == 0
+    page = tmp_path / "report.html"
+    (tmp_path / "static.html").rename(page)
+    _check_width(page)
+
+
+def _check_width(page: Path) -> None:
+    """Check that a page named report.html is as wide as a telephone, all its tables open."""
+    page.write_text(_used(page.read_text(encoding="utf-8"), WIDTHS), encoding="utf-8")
+    frame = page.with_name("telephone.html")
+    frame.write_text(TELEPHONE, encoding="utf-8")
+    told = [re.match(r"width (\d+) needs (\d+)", line) for line in _console(frame)]
+    assert len(told) == 1
+    assert told[0]
+    assert 400 <= int(told[0][1]) <= 420
+    assert int(told[0][2]) == int(told[0][1])

@@ -13,9 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
+from tautwire.model.build import build
 from tautwire.report.figures import packing
 from tautwire.report.figures.force_figures import force_figure, passings
+from tautwire.report.figures.line_figures import line_figure
 from tautwire.report.parts import words
 from tautwire.report.parts.blocks import Table
 from tautwire.report.parts.conditions import GROUPS, input_values, source_of
@@ -117,7 +121,8 @@ def test_every_input_is_listed_with_its_unit() -> None:
 
     parts = case.to_dict()
     assert values.pop("track") == "straight and level"
-    assert len(values) == sum(leaves(parts[name]) for name in GROUPS if name != "track")
+    told = [name for name in GROUPS if name != "track"]
+    assert len(values) == sum(leaves(parts[name]) for name in told)
 
 
 def test_track_is_listed_as_it_is_given() -> None:
@@ -188,8 +193,9 @@ def _rows(text: str) -> list[list[str]]:
 
 def test_dropper_table_has_units_and_all_droppers() -> None:
     """The dropper table has one row per dropper and units in its head."""
-    shape = make_equilibrium(make_case(spans=3))
-    head, *rows = _rows(dropper_table_csv(shape))
+    case = make_case(spans=3)
+    shape = make_equilibrium(case)
+    head, *rows = _rows(dropper_table_csv(shape, case))
     assert head[:5] == ["span", "dropper", "position [m]", "x [m]", "unstrained length [m]"]
     assert "force [N]" in head
     assert len(rows) == 27
@@ -276,11 +282,11 @@ def test_force_history_of_a_pantograph_that_never_entered() -> None:
 def test_tables_are_written_whole(tmp_path: Path) -> None:
     """Tables are written under their names and nothing else is left."""
     run = make_run(make_case(spans=2), duration=0.1)
-    write_dropper_table(run.equilibrium, tmp_path / "droppers.csv")
+    write_dropper_table(run.equilibrium, run.case, tmp_path / "droppers.csv")
     write_force_history(run, tmp_path / "force.csv", "front")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["droppers.csv", "force.csv"]
     with pytest.raises(InputError, match="does not exist"):
-        write_dropper_table(run.equilibrium, tmp_path / "nowhere" / "droppers.csv")
+        write_dropper_table(run.equilibrium, run.case, tmp_path / "nowhere" / "droppers.csv")
 
 
 def test_importing_the_page_is_light() -> None:
@@ -296,3 +302,12 @@ def test_importing_the_page_is_light() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert answer.stdout.strip() == "set()"
+
+
+def test_stitch_wires_share_an_entry_of_the_legend() -> None:
+    """However many stitch wires a line has, its figure names them once."""
+    case = load_case("ac-stitched", {"line.spans": 4})
+    figure = line_figure(case, find_shape(build(case)), 1)
+    curves = [one for one in figure.to_dict()["data"] if one.get("name") == "stitch wires"]
+    assert len(curves) >= 3
+    assert sum(curve["showlegend"] for curve in curves) == 1

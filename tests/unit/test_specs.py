@@ -36,6 +36,7 @@ from tautwire.specs.schema.vocabulary import (
     meaning_of,
     words_for,
 )
+from tautwire.tables.columns import KINDS
 
 STAGE = {"mass": 7.5, "stiffness": 7000.0, "damping": 45.0}
 
@@ -312,7 +313,7 @@ def test_json_schema_knows_includes_and_tables() -> None:
     """A mapping may be included instead of given, and tables may be named."""
     schema = case_json_schema()
     assert {"required": ["include"]} in schema["$defs"]["Pantograph"]["anyOf"]
-    assert set(schema["properties"]["tables"]["properties"]) == {"supports", "droppers"}
+    assert tuple(schema["properties"]["tables"]["properties"]) == KINDS
     assert {"required": ["table"]} in schema["$defs"]["RoofMotion"]["anyOf"]
     assert schema["properties"]["schema"]["enum"] == [1, 2]
     assert "oneOf" not in json.dumps(schema)

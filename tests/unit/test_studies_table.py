@@ -160,6 +160,42 @@ def test_csv_names_its_units(table: StudyTable, tmp_path: Path) -> None:
     assert rows[3]["front.sharp.std_0_200 [N]"] == ""
     assert rows[4]["status"] == "refused"
     assert rows[4]["front.sharp.mean [N]"] == ""
+    assert not [name for name in rows[0] if "error" in name]
+
+
+def test_errors_stand_beside_their_figures(tmp_path: Path) -> None:
+    """Cases with error bars give columns of errors, and figures without digits that the errors make
+    worthless, in CSV, JSON and on the page; cases without have neither."""
+    plan = make_plan({"scenario.speed": ["250 km/h", "260 km/h"]})
+    store = Store(tmp_path)
+    for number, point in enumerate(plan.points):
+        row = made_row(plan.coordinates(point))
+        if number == 0:
+            own = row["values"]
+            own["uplift_max_error"] = 0.0004
+            own["uplift_max"] = 0.06123
+            entry = own["pantographs"][0]
+            entry["loss_percent_error"] = 0.0
+            part = entry["filters"]["sharp"]
+            entry["filters"]["sharp"] = {
+                **part, "mean": 168.73, "mean_error": 0.31, "std_0_20_error": 2.4
+            }  # fmt: skip
+        store.save(point.key, row)
+    found = collect(plan, store)
+    rows = list(csv.DictReader(io.StringIO(found.to_csv())))
+    assert rows[0]["front.sharp.mean [N]"] == "168.7"
+    assert rows[0]["front.sharp.mean_error [N]"] == "0.31"
+    assert rows[0]["uplift_max [m]"] == "0.0612"
+    assert rows[0]["front.sharp.std_0_20_error [N]"] == "2.4"
+    assert rows[0]["front.loss_percent [%]"] == "0.1"
+    assert rows[1]["front.sharp.mean [N]"] == "169"
+    assert rows[1]["front.sharp.mean_error [N]"] == ""
+    assert found.rows()[0]["front.sharp.mean [N]"] == 168.7
+    assert found["mean"].values[0, 0, 0] == 168.73
+    write_study_report(found, tmp_path / "study.html")
+    page = (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert "168.7 ± 0.4" in page
+    assert "61.2 ± 0.4" in page
 
 
 def test_rows_for_json(table: StudyTable) -> None:
@@ -233,6 +269,19 @@ def test_several_pantographs(tmp_path: Path) -> None:
     assert "rear.uplift_force [N]" in head
 
 
+def test_largest_force_and_uplift_are_drawn(tmp_path: Path) -> None:
+    """The largest force is drawn for every pantograph, the uplift once for all of them, in mm."""
+    axes = {"scenario.speed": ["250 km/h", "300 km/h"]}
+    found = fill(make_plan(axes), tmp_path, pantographs=2)
+    drawn = {name: figure for name, figure, _ in usual_figures(found)}
+    forces, uplift = drawn["extremes-speed"].data, drawn["uplift-speed"].data
+    assert [trace["name"].split(",")[0] for trace in forces] == ["front", "front", "rear", "rear"]
+    largest = found["maximum"].values[:, 0, found.labels["filter"].index("sharp")]
+    assert list(forces[0]["y"]) == pytest.approx(list(largest))
+    assert len(uplift) == 1
+    assert list(uplift[0]["y"]) == pytest.approx(list(1e3 * found["uplift_max"].values))
+
+
 def test_names_that_look_like_formulas(tmp_path: Path) -> None:
     """Variants whose names a spreadsheet would compute are written as texts, numbers as numbers."""
     base = {"schema": 1, "name": "s", "base": "ac-simple"}
@@ -274,7 +323,15 @@ def test_groups_follow_the_axes(table: StudyTable) -> None:
 @pytest.mark.parametrize(
     ("axes", "more", "figures"),
     [
-        (AXES, {}, ["over-speed", "over-contact_stiffness"]),
+        (
+            AXES,
+            {},
+            [
+                f"{what}-{axis}"
+                for axis in ("speed", "contact_stiffness")
+                for what in ("over", "extremes", "uplift")
+            ],
+        ),
         (
             {"settings.nodes_between_droppers": [9, 12], "settings.seed": {"seeds": 4}},
             {},
@@ -285,11 +342,15 @@ def test_groups_follow_the_axes(table: StudyTable) -> None:
             {"samples": 4},
             ["spread-sample", "samples-mass"],
         ),
-        ({"line.ends": ["anchored", "weighted"]}, {}, ["bands-ends"]),
+        (
+            {"line.ends": ["anchored", "weighted"]},
+            {},
+            ["bands-ends", "extremes-ends", "uplift-ends"],
+        ),
         (
             {"settings.seed": {"seeds": 10}, "scenario.speed": ["250 km/h", "300 km/h"]},
             {},
-            ["spread-seed", "over-speed"],
+            ["spread-seed", "over-speed", "extremes-speed", "uplift-speed"],
         ),
     ],
 )

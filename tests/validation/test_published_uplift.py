@@ -26,8 +26,8 @@ THREE_KV = (
     "the uplift is proportional to the mean force (65 mm under 190 N on the CA-160/3kV A), so the "
     "sheet's would take {needed:.0f} N. The sheets' own uplifts of one line, the CA-160H under "
     "3 kV and under 25 kV, are 60 and 34 mm, which takes 180 N, where EN 50367 as remembered gives "
-    "135; under 25 kV this program finds the sheet's. Force and pantograph of the 3 kV sheets are "
-    "unknown"
+    "135; under 25 kV this program finds the sheet's there, but 29.5 mm for the 35 mm of the "
+    "CA-200H. Force and pantograph of the 3 kV sheets are unknown"
 )
 HEAVY_WIRES = {
     "wires.contact.use": "HC 120",

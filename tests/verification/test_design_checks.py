@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tautwire.analyses.road.conditions import examine
+from tautwire.analyses.design.conditions import examine
 from tautwire.analyses.road.shape import find_design
 from tautwire.assessment.design.checks import GIVEN, DesignCheck, design_checks
 from tautwire.assessment.design.limits import design_limits
@@ -87,3 +87,7 @@ def test_limits_follow_the_speed_and_the_case() -> None:
     uplift = found["uplift_share"]
     assert 0.1 < uplift.value < 1.0
     assert "not checked" in uplift.source
+    stops = catenary(supports__stop__gap=0.12)
+    stopped = checked(stops, with_elasticity=True)["uplift_share_with_stop"]
+    assert stopped.value == pytest.approx(uplift.value, rel=1e-9)
+    assert stopped.limit == pytest.approx(1.0 / 1.5, abs=1e-4)

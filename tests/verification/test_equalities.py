@@ -313,22 +313,24 @@ def statistics_in(data: dict[str, Any], spans: tuple[int, int]) -> dict[str, flo
 
 @pytest.mark.slow
 def test_a_cut_far_away_hardly_moves_the_statistics(record_validation: Record) -> None:
-    """An overlap 330 m beyond the analysed section, with weights on both sides, moves the standard
-    deviation below 20 Hz by at most 3 %, every other statistic by at most 5 %."""
+    """An overlap 330 m beyond the analysed section, with weights on both sides, moves no statistic
+    by more than 3 %. The line without it has weights too, at its end: between anchors, where the
+    wires cannot move along the track, the least force is 4 % higher and sigma below 2 Hz 1.4 %
+    lower, cut or not."""
     whole = simple(spans=20)
+    whole["line"]["ends"] = {"left": "anchored", "right": "weighted"}
     whole["settings"]["backend"] = "auto"
     cut = overlapping(20, 15, 17)
     before, after = (statistics_in(data, (5, 8)) for data in (whole, cut))
     changes = {name: 100.0 * (after[name] / value - 1.0) for name, value in before.items()}
     for name, change in changes.items():
-        limits = (-3.0, 3.0) if name == "sigma 0_20 Hz" else (-5.0, 5.0)
         assert record_validation(
             "AC simple, 250 km/h, cut 330 m beyond the section",
             f"change of {name}",
             ours=change,
             unit="%",
-            allowed=limits,
-            source="the same line in one tension length",
+            allowed=(-3.0, 3.0),
+            source="the same line in one tension length, weighted at the same side",
         )
 
 

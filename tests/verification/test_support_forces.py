@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tautwire.analyses.design.conditions import examine
 from tautwire.analyses.design.masts import Masts, masts_of
 from tautwire.analyses.design.supports import support_forces, totals
-from tautwire.analyses.road.conditions import examine
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.road.shape import find_design
 from tautwire.errors import InputError

@@ -72,7 +72,8 @@ def test_report_and_file_count_supports_once(run: tw.Run, tmp_path: Path) -> Non
 def test_every_wire_is_drawn(run: tw.Run) -> None:
     """The figure of the line has every wire in side view and plan, and the sag of contact wires."""
     view = prepare(run, "line")
-    drawn = [trace.name for trace in line_figure(view).data]
+    figure = line_figure(view.run.case, view.run.equilibrium, 1).to_figure()
+    drawn = [trace.name for trace in figure.data]
     for name, role in zip(run.equilibrium.wire_names, run.equilibrium.wire_roles, strict=True):
         assert drawn.count(name) == (3 if role == "contact" else 2)
 

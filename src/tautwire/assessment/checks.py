@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from tautwire.assessment.limits import Limit, Limits, known_system, load_limits
+from tautwire.assessment.limits import Limit, Limits, known_system, limits_of
 from tautwire.assessment.references import load_references
 from tautwire.plain import Plain
 from tautwire.results.statistics import PantographStatistics, RunStatistics
@@ -48,6 +48,8 @@ class Check(Plain):
         Clause is None where it is not known.
     verified : bool
     confidence, note : str
+    checked_by, checked_on : str or None
+        Who compared the limit with the text of the standard, and when.
     explanation : str
         What is known of a value outside its limit; empty where nothing is.
     is_carried : bool
@@ -70,6 +72,8 @@ class Check(Plain):
     verified: bool
     confidence: str
     note: str
+    checked_by: str | None = None
+    checked_on: str | None = None
     explanation: str = ""
     is_carried: bool = True
 
@@ -84,11 +88,12 @@ class Check(Plain):
 
     @property
     def words(self) -> str:
-        """Return the verdict as a client reads it, whoever checked the limit."""
+        """Return the verdict as a client reads it."""
         if self.within is None:
             return "no value"
-        found = "within the limit" if self.within else "not within the limit"
-        return found if self.verified else f"{found}, which was not checked against the standard"
+        if not self.verified:
+            return "limit not checked against the standard"
+        return "within" if self.within else "not within"
 
 
 @dataclass(frozen=True)
@@ -100,9 +105,9 @@ class Criteria:
     system : {"ac", "dc-1.5kv", "dc-3kv"}
         Supply system.
     free_uplift : float m or None
-        Free space for uplift at the supports.
+        Free space for uplift at the supports; None for that of the case.
     limits : Limits or None
-        Limits of the user's own; None for those of the package.
+        Limits of the user's own; None for those of the case, or of the package.
     """
 
     system: str = "ac"
@@ -133,8 +138,7 @@ def checks(
 
     Forces are those of the headline filter. A mean force that was tuned to a value which keeps its
     limit keeps it as well when it misses by no more than the tolerance of the tuning; the check
-    says so. Uplift stops of the case leave the smallest of their gaps as free space; without
-    stops it is asked for, and without it the uplift is not checked.
+    says so. Without any free space for uplift, the uplift is not checked.
 
     Parameters
     ----------
@@ -143,11 +147,12 @@ def checks(
     system : {"ac", "dc-1.5kv", "dc-3kv"}
         Supply system, which decides between curves; a case does not say it.
     free_uplift : float m, optional
-        Free space for uplift at the supports; by default the gap of the stops of the case.
+        Free space for uplift at the supports; by default that of the case,
+        :meth:`Case.uplift_space`.
     uplift_stop : bool, optional
         Whether the steady arms have an uplift stop; by default as the case says.
     limits : Limits, optional
-        By default those of the package.
+        By default those that the case names, or those of the package.
 
     Returns
     -------
@@ -156,15 +161,15 @@ def checks(
     Raises
     ------
     InputError
-        When the supply system is unknown.
+        When the supply system is unknown, or the limits of the case cannot be read.
     """
     supply = known_system(system)
     speed = case.scenario.speed
-    gaps = [kind.stop.gap for kind in case.supports.kinds() if kind.stop is not None]
-    has_stop = bool(gaps) if uplift_stop is None else uplift_stop
-    space = min(gaps, default=None) if free_uplift is None else free_uplift
+    stops = any(kind.stop is not None for kind in case.supports.kinds())
+    has_stop = stops if uplift_stop is None else uplift_stop
+    space = case.uplift_space() if free_uplift is None else free_uplift
     rows: list[Check] = []
-    for limit in (limits or load_limits()).limits:
+    for limit in (limits or limits_of(case)).limits:
         if not limit.applies.includes(supply, speed, uplift_stop=has_stop):
             continue
         for pantograph, value, mean in _values(limit.quantity, statistics, case):
@@ -224,6 +229,8 @@ def _check(limit: Limit, pantograph: str | None, value: float, bound: float) -> 
         verified=limit.verified,
         confidence=limit.confidence,
         note=limit.note,
+        checked_by=limit.verified_by if limit.verified else None,
+        checked_on=limit.verified_on if limit.verified else None,
     )
 
 

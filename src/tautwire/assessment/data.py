@@ -54,6 +54,17 @@ def read_file(path: str | Path, model: type[Entry]) -> Entry:
     return _parsed(read_case_text(source), named(source), source.suffix, model)
 
 
+def read_text(text: str, label: str, model: type[Entry]) -> Entry:
+    """Read a text that a case keeps as a file of data.
+
+    Raises
+    ------
+    InputError
+        When it does not hold what it should; every fault is named.
+    """
+    return _parsed(text, label, ".yaml", model)
+
+
 def _parsed(text: str, label: str, suffix: str, model: type[Entry]) -> Entry:
     content = parse_document(text, label, suffix)
     try:

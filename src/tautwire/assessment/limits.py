@@ -9,8 +9,9 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from tautwire.assessment.data import Record, read_file, read_library
+from tautwire.assessment.data import Record, read_file, read_library, read_text
 from tautwire.errors import InputError
+from tautwire.specs.case import Case
 from tautwire.units import to_unit
 
 System = Literal["ac", "dc-1.5kv", "dc-3kv"]
@@ -216,6 +217,19 @@ def load_limits(path: str | Path | None = None) -> Limits:
         When the file cannot be read, with every fault.
     """
     return _library_limits() if path is None else read_file(path, Limits)
+
+
+def limits_of(case: Case) -> Limits:
+    """Return the limits that a case names; those of the package where it names none.
+
+    Raises
+    ------
+    InputError
+        When they do not hold what limits should, with every fault.
+    """
+    return (
+        read_text(case.limits, f"limits of {case.name}", Limits) if case.limits else load_limits()
+    )
 
 
 def limits_text() -> str:

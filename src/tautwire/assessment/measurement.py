@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.assessment.coverage import Coverage, coverage_of
-from tautwire.assessment.limits import Limits, Tolerance, load_limits
+from tautwire.assessment.limits import Limits, Tolerance, limits_of
 from tautwire.assessment.placement import Placement, place_on_line
 from tautwire.errors import InputError
 from tautwire.measured.evaluation import (
@@ -253,7 +253,7 @@ def compare_with_measurement(
         _numbers(run, track, part[:, known], position)
         for track, part in zip((simulated, measured), forces, strict=True)
     ]
-    tolerances = {entry.quantity: entry for entry in (limits or load_limits()).tolerances}
+    tolerances = {entry.quantity: entry for entry in (limits or limits_of(run.case)).tolerances}
     rows = tuple(
         _judged(quantity, value, numbers[1][quantity], tolerances, recording.highest_frequency)
         for quantity, value in numbers[0].items()

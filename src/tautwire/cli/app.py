@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
+from tautwire.cli.groups.workflow import in_order_of_work
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
@@ -37,7 +38,6 @@ _UsageError: Any = typer.BadParameter.__base__
 app = typer.Typer(
     name="tautwire",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 done, 1 computation failed or stopped, 2 input refused, "
@@ -173,25 +173,82 @@ def check(case: CaseArgument, overrides: SetOption = None, as_json: JsonOption =
         check_case(answer, case, overrides or [])
 
 
+def _reports(*, html: bool, pdf: bool) -> tuple[str, ...]:
+    return tuple(kind for kind, is_wanted in (("html", html), ("pdf", pdf)) if is_wanted)
+
+
 @app.command()
 def static(
     case: CaseArgument,
     overrides: SetOption = None,
     condition: ConditionOption = None,
     out: OutFolderOption = None,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Do not write the HTML page.")
+    ] = False,
+    project: ProjectOption = None,
+    pdf: PdfOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the static shape: heights, dropper lengths and forces, elasticity.
 
     The conditions of the case stand side by side, unless --condition names one. With --out the
-    dropper table, the elasticity and the static state are written as files, and a page of the
-    conditions.
+    files are written: a page of the static line and one of the conditions, dropper table, workshop
+    sheet, the case as a workbook, the static state.
     """
     with answering(as_json) as answer:
         from tautwire.cli.commands.static import StaticRequest, find_static
 
-        find_static(answer, StaticRequest(case, with_condition(overrides, condition), out, force))
+        written = _reports(html=not no_report, pdf=pdf)
+        values = with_condition(overrides, condition)
+        find_static(answer, StaticRequest(case, values, out, force, written, project))
+
+
+@app.command()
+def draw(
+    case: CaseArgument,
+    overrides: SetOption = None,
+    condition: ConditionOption = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE",
+            help="File that ends in .svg, .pdf or .dxf; may be repeated. plan.svg by default.",
+            show_default=False,
+        ),
+    ] = None,
+    scale: Annotated[
+        str | None,
+        typer.Option(
+            "--scale", metavar="SCALE",
+            help="Of lengths and of heights, as in 1:500/1:50; by default 1:1000/1:100, or the "
+            "next larger at which all texts have room.",
+            show_default=False,
+        ),
+    ] = None,
+    paper: Annotated[
+        str | None,
+        typer.Option(
+            "--paper", metavar="SIZE",
+            help="A3, A2, A1, A0 or roll; by default the smallest that the plan fits on.",
+            show_default=False,
+        ),
+    ] = None,
+    project: ProjectOption = None,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Draw the layout plan: plan and elevation true to scale, droppers, values at the supports.
+
+    SVG and PDF have sheets with a title block (PDF needs the extra "pdf"); DXF has the line in one
+    strip, in metres along the track, on a layer for every kind of part (extra "dxf").
+    """
+    with answering(as_json) as answer:
+        from tautwire.cli.commands.inputs.draw import DrawRequest, draw_plan
+
+        values = with_condition(overrides, condition)
+        files = out or [Path("plan.svg")]
+        draw_plan(answer, DrawRequest(case, values, files, scale, paper, project))
 
 
 @app.command()
@@ -221,9 +278,7 @@ def run(
         from tautwire.cli.commands.run import RunRequest, criteria_of, run_passage
 
         asked = criteria_of(system, free_uplift, limits)
-        written = tuple(
-            kind for kind, is_wanted in (("html", not no_report), ("pdf", pdf)) if is_wanted
-        )
+        written = _reports(html=not no_report, pdf=pdf)
         values = with_error(with_condition(overrides, condition), error)
         request = RunRequest(case, values, out, asked, written, force, project)
         run_passage(answer, request)
@@ -334,7 +389,6 @@ def schema(as_json: JsonOption = False) -> None:  # noqa: ARG001
         answer.document.update(case_json_schema())
 
 
-measuring.register(app)
-high_frequency.register(app)
-design.register(app)
-own_line.register(app)
+for group in (measuring, high_frequency, design, own_line):
+    group.register(app)
+in_order_of_work(app)

@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from tautwire.cli.session import DONE, Answer, OutputError
+from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import InputError, cure_of
 from tautwire.files import FolderLock, remove_drafts
 from tautwire.text import shortened
@@ -17,6 +19,7 @@ RESULTS = (
     "run.nc", "results.json", "report.html", "report.pdf", "force.csv", "force-*.csv",
     "droppers.csv", "static.nc", "static.json", "elasticity.csv", "supports.csv", "tensions.csv",
     "installation.csv", "lateral.csv", "design.csv", "conditions.csv", "conditions.html",
+    "line.xlsx", "workshop.xlsx", "static.html", "static.pdf",
 )  # fmt: skip
 """Files of one run, or of one static state; a folder holds those of one of them."""
 
@@ -175,3 +178,19 @@ class Files:
             if self._replaced[-1] != path:
                 self._replaced[-1].unlink(missing_ok=True)
             self._replaced.pop()
+
+
+def tell_files(answer: Answer, files: Files) -> None:
+    """List the files that a command has written, with what each is for.
+
+    Raises
+    ------
+    OutputError
+        When one could not be written and the command has not failed by itself; a command that has
+        says it as a warning.
+    """
+    answer.document["files"] = files.written
+    answer.show(heading("Files"), files_written(files.written))
+    if files.problems and answer.exit_code == DONE:
+        raise OutputError(files.problems)
+    answer.warn(files.problems)

@@ -10,9 +10,19 @@ import typer
 
 from tautwire.text import DESIGN
 
+
+def _cases_that_begin(incomplete: str) -> list[str]:
+    """Return library cases for the completion of the shell, which adds files by itself."""
+    from tautwire.catalogue.entries import list_entries
+
+    entries = list_entries()
+    return [e.name for e in entries if e.kind == "case" and e.name.startswith(incomplete)]
+
+
 CaseArgument = Annotated[
     str,
     typer.Argument(
+        autocompletion=_cases_that_begin,
         metavar="CASE",
         help="Name of a library case, or a case file (YAML, TOML or JSON).",
         show_default=False,
@@ -73,7 +83,8 @@ LimitsOption = Annotated[
     typer.Option(
         "--limits",
         metavar="FILE",
-        help='Own limits, a file begun with "tautwire limits --copy".',
+        help='Own limits, a file begun with "tautwire limits --copy"; in place of those that the '
+        "case names.",
         show_default=False,
     ),
 ]
@@ -96,8 +107,8 @@ FreeUpliftOption = Annotated[
     typer.Option(
         "--free-uplift",
         metavar="LENGTH",
-        help='Free space for uplift at the supports, as in "120 mm"; without it the uplift is '
-        "not checked.",
+        help='Free space for uplift at the supports, as in "120 mm", in place of what the case '
+        "says (requirements.uplift_space, or the gap of its uplift stops).",
         show_default=False,
     ),
 ]

@@ -19,8 +19,7 @@ from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireEr
 from tautwire.text import shortened
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from tautwire.cli.views.console import PlainConsole
     from tautwire.model.preflight import Advice
 
 DONE, FAILED, REFUSED = 0, 1, 2
@@ -78,12 +77,12 @@ class Answer:
     lost_output: OSError | None = None
 
     @cached_property
-    def out(self) -> Console:
+    def out(self) -> PlainConsole:
         """Standard output, for people."""
         return _console(stderr=False)
 
     @cached_property
-    def err(self) -> Console:
+    def err(self) -> PlainConsole:
         """Standard error."""
         return _console(stderr=True)
 
@@ -97,7 +96,7 @@ class Answer:
             return
         try:
             for part in parts:
-                self.out.print(part)
+                self.out.print_whole(part)
             sys.stdout.flush()
         except OSError as error:
             self.lost_output = error
@@ -215,7 +214,7 @@ def _unexpected(error: BaseException) -> str:
     )
 
 
-def _console(*, stderr: bool) -> Console:
+def _console(*, stderr: bool) -> PlainConsole:
     from tautwire.cli.views.console import PlainConsole
 
     return PlainConsole(stderr=stderr, markup=False, highlight=False, emoji=False)

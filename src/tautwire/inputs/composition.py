@@ -14,7 +14,7 @@ from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs import inheritance
 from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
-from tautwire.inputs.merge import merge
+from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import (
     PathError,
@@ -25,7 +25,7 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
-from tautwire.inputs.project import with_image
+from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.reading.reach import Reach
@@ -50,6 +50,8 @@ MAX_CHAIN = 8
 Sources = list[Any]
 _OWN_KEYS = ("include", "tables", "schema", "sources", "use", "catalogue", "template")
 """Keys of a document that are no values of a case."""
+_KEEPERS = {(): with_limits, ("project",): with_image}
+"""By the place of a mapping: what takes the content of other files into it."""
 TABLE = "table"
 """Key of a mapping whose columns stand in a CSV file."""
 
@@ -121,16 +123,22 @@ def compose(name_or_path: str | Path) -> Composition:
     return composer.compose(document)
 
 
-def compose_data(data: Mapping[str, Any]) -> Composition:
+def compose_data(data: Mapping[str, Any], label: str = "case") -> Composition:
     """Put together a case given as plain data; what it includes is found where the program runs.
+
+    Parameters
+    ----------
+    data
+    label
+        Where they come from, in messages.
 
     Raises
     ------
     InputError
         When an include cannot be resolved.
     """
-    document = Document("case", "case", Path(), dict(data))
-    return _Composer(Composition("case"), Reach.of(Path())).compose(document)
+    document = Document(label, "case", Path(), dict(data))
+    return _Composer(Composition(label), Reach.of(Path())).compose(document)
 
 
 def find_document(reference: str | Path, folder: Path | None) -> Document:
@@ -209,7 +217,7 @@ class _Composer:
         part = self._mapping(own, at, document, (*trail, document))
         if trail:
             self.result.shelf = outer
-        values = merge(part.values, overlay)
+        values = with_table(part.values, overlay)
         kept = _still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
         sources = inheritance.still_stated(sources, document.content, overlay, at)
@@ -274,9 +282,8 @@ class _Composer:
             if not at:
                 base = self._inherited(base, reference, document)
         own = self._with_columns(own, at, document)
-        if at == ("project",):
-            folder = document.folder or Path()
-            own, problems = with_image(own, folder, self._reach, document.label)
+        if keep := _KEEPERS.get(at):
+            own, problems = keep(own, document.folder or Path(), self._reach, document.label)
             self.result.problems += problems
         used = self._used(own, at, document)
         values: dict[str, Any] = {}
@@ -372,10 +379,9 @@ class _Composer:
         self.result.problems += _given_twice(found.values, own, file_of, document.label)
         self.result.cells |= cells_by_list(found.origins)
         sources: Sources = [
-            {"path": f"{section}.{key}", "source": f"Table {file_of[section]}",
+            {"path": format_path(path), "source": f"Table {file_of[str(path[0])]}",
              "confidence": "one source"}
-            for section, values in found.values.items()
-            for key in values
+            for path in paths_of(found.values)
         ]  # fmt: skip
         return found.values, sources
 
@@ -436,14 +442,12 @@ def _given_twice(
 ) -> list[str]:
     """Name the values that a document gives beside a table which says otherwise."""
     problems = []
-    for section, values in table.items():
-        for key, value in values.items():
-            given = value_at(own, (section, key))
-            if given is not None and given != value:
-                problems.append(
-                    f"{label}: {section}.{key}: is given here and in the table "
-                    f"{files[section]}; keep one"
-                )
+    for path in paths_of(table):
+        given, file = value_at(own, path), files[str(path[0])]
+        if given is not None and given != value_at(table, path):
+            problems.append(
+                f"{label}: {format_path(path)}: is given here and in the table {file}; keep one"
+            )
     return problems
 
 

@@ -11,16 +11,16 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
+from tautwire.inputs.book.workbook import case_of, is_workbook, open_workbook
 from tautwire.inputs.composition import Composition, compose, compose_data
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
-from tautwire.inputs.project import with_image
+from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import cells_by_list
-from tautwire.inputs.workbook import case_of, is_workbook, open_workbook
 from tautwire.specs.case import Case
 from tautwire.specs.schema.upgrade import SCHEMA_VERSION
 from tautwire.specs.settings import NOT_GIVEN
@@ -80,8 +80,7 @@ def make_case(data: Mapping[str, Any], overrides: Overrides = ()) -> Case:
 
 def _compose_workbook(path: Path) -> Composition:
     data, tables = case_of(open_workbook(path))
-    composition = compose_data(data)
-    composition.label = str(path)
+    composition = compose_data(data, str(path))
     composition.cells |= cells_by_list(tables.origins)
     return composition
 
@@ -106,6 +105,8 @@ def _validated(composition: Composition, overrides: Overrides) -> Case:
     if isinstance(data.get("project"), Mapping):  # an image that was set for this run
         data["project"], faults = with_image(data["project"], Path(), Reach.of(Path()), "--set")
         problems += faults
+    data, faults = with_limits(data, Path(), Reach.of(Path()), "--set")
+    problems += faults
     problems += _unknown_sources(data)
     _state_defaults(data)
     case = None

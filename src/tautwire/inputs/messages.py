@@ -111,6 +111,10 @@ def place_of(path: Path, data: Data) -> str:
         case ("sources", int(), *_):
             entry = value_at(data, (*path[:2], "path"))
             return f"entry for {entry!r}" if isinstance(entry, str) else ""
+        case (("bodies" | "stays") as group, int(number), *_):
+            name = value_at(data, (group, number, "name"))
+            word = "body" if group == "bodies" else "stay"
+            return f"{word} {name!r}" if isinstance(name, str) else ""
         case ("pantographs", int(number), *_):
             return f"pantograph {_pantograph_name(data, number)}"
         case _:
@@ -119,12 +123,18 @@ def place_of(path: Path, data: Data) -> str:
 
 def _sentence(problem: Problem, data: Data, cells: Mapping[Path, Cells]) -> str:
     where = format_path(problem.path) or "the case"
-    *above, last = problem.path or ("",)
-    cell_of = cells.get(tuple(above))
-    cell = cell_of(last) if cell_of is not None and isinstance(last, int) else ""
-    notes = (cell, place_of(problem.path, data))
+    notes = (_cell_of(problem.path, cells), place_of(problem.path, data))
     note = "; ".join(filter(None, notes))
     return f"{where} ({note}): {problem.text}" if note else f"{where}: {problem.text}"
+
+
+def _cell_of(path: Path, cells: Mapping[Path, Cells]) -> str:
+    """Name the cell from which a value was read, or the item of a list that it belongs to."""
+    for depth in range(len(path) - 1, -1, -1):
+        step, cell_of = path[depth], cells.get(path[:depth])
+        if isinstance(step, int) and cell_of is not None:
+            return cell_of(step)
+    return ""
 
 
 def _problems(fault: ErrorDetails, data: Data) -> list[Problem]:

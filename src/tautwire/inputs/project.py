@@ -1,4 +1,4 @@
-"""The project block from a case, from a file of its own, and the image that it names."""
+"""What a case keeps of other files and no number depends on: project block, image, limits."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from tautwire.specs.project import MOST_LOGO_BYTES, Project, data_uri
 LOGO = "logo"
 KEPT = "data:"
 """Begins an image that is kept as text."""
+LIMITS = "limits"
+YAML = ".yaml"
 
 
 def load_project(path: Path) -> Project:
@@ -76,6 +78,36 @@ def with_image(
     except ValueError as error:
         problems = [f"{label}: project.{LOGO}: {named(path)}: {error}"]
     return {key: value for key, value in project.items() if key != LOGO}, problems
+
+
+def with_limits(
+    case: Mapping[str, Any], folder: Path, reach: Reach, label: str
+) -> tuple[dict[str, Any], list[str]]:
+    """Put the text of a file of limits in the place of its path; return what is wrong with it.
+
+    Parameters
+    ----------
+    case
+        The case as it was written, or a part of it.
+    folder
+        Where relative paths start.
+    reach
+        What may be read.
+    label
+        Name of the document, in messages.
+    """
+    limits = case.get(LIMITS)
+    if not isinstance(limits, str) or not limits or "\n" in limits:  # the text itself
+        return dict(case), []
+    path = folder / limits
+    try:
+        reach.check(path, label)
+        text = read_case_text(path)
+        parse_document(text, named(path), YAML)
+    except InputError as error:
+        problems = [f"{label}: {LIMITS}: {text}" for text in error.problems]
+        return {key: value for key, value in case.items() if key != LIMITS}, problems
+    return {**case, LIMITS: f"{text.rstrip()}\n"}, []
 
 
 def _sentence(fault: Any) -> str:

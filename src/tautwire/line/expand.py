@@ -19,6 +19,7 @@ from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
 from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks, misplaced
+from tautwire.line.fittings import with_fittings
 from tautwire.line.labels import HangerLabel, MastLabel
 from tautwire.line.pieces import (
     At,
@@ -56,7 +57,7 @@ def expand(case: Case) -> Line:
     Raises
     ------
     InputError
-        When defects are where nothing is; all are named.
+        When defects are where nothing is, or bodies and stays have no place; all are named.
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
@@ -79,7 +80,9 @@ def expand(case: Case) -> Line:
         joints=tuple(joints),
         marks=tuple(marks(runs, case.line.support_positions(), case.conditions)),
     )
-    if problems := misplaced(line, case.conditions):
+    line, problems = with_fittings(line, case)
+    problems += misplaced(line, case.conditions)
+    if problems:
         raise InputError(problems)
     return line
 
@@ -171,6 +174,7 @@ class _Expansion:
         sets = [
             self._about_masts(one) if one.about == "mast" else self._in_spans(one)
             for one in self.case.dropper_sets
+            if one.tension_length in (None, self.plan.name)
         ]
         return tuple(chain(*sets, self._raising()))
 
@@ -183,7 +187,14 @@ class _Expansion:
                 drop = drops[span][index] if one.mode == "height" else 0.0
                 length = lengths[span][index] if one.mode == "length" else 0.0
                 s = self.masts[span] + position
-                yield from self._hanger(one, s, (drop, length), self.plan.run(one.upper))
+                yield from self._hanger(one, s, (drop, length), self._above(one, s))
+
+    def _above(self, one: Droppers, s: float) -> str:
+        """Return the run above a place; of stitch wires that of the nearest support with one."""
+        if self.wires[one.upper].role != "stitch":
+            return self.plan.run(one.upper)
+        nearest = min(self._stitched_masts(), key=lambda mast: abs(self.masts[mast] - s))
+        return self._stitch(one.upper, nearest)
 
     def _about_masts(self, one: Droppers) -> Iterator[Hanger]:
         count = self.case.line.spans - 1
@@ -261,6 +272,7 @@ class _Expansion:
                     end=ends.get(mast),
                     is_fixed_along=mast == self.plan.fixed_point,
                     stop=own.stop,
+                    heel=None if own.cantilever is None else own.cantilever.arm,
                 )
 
     def _lift(self, name: str, wire: Wire, mast: int) -> float:
@@ -299,6 +311,7 @@ class _Expansion:
                     stiffness=own.messenger_stiffness,
                     damping=own.messenger_damping,
                     is_fixed_along=is_fixed or own.messenger_longitudinal == "fixed",
+                    elastic=None if own.cantilever is None else own.cantilever.messenger,
                 )
 
 

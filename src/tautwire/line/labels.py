@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -55,3 +56,12 @@ class HangerLabel:
 def place(label: MastLabel | HangerLabel, s: float) -> str:
     """Name a piece and where it is, as it is said in messages."""
     return f"{label}, x = {s:.2f} m"
+
+
+def named_arms(arms: Sequence[tuple[str, str]]) -> str:
+    """Return steady arms, each a place and what is wrong with it, in one phrase."""
+    (first, what), *others = arms
+    phrase = f"the steady arm at {first}, {what}"
+    if not others:
+        return phrase
+    return f"{phrase}, and so at {'; '.join(f'{there}, {fault}' for there, fault in others)}"

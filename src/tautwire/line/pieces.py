@@ -13,7 +13,9 @@ from typing import Literal
 
 from tautwire.line.closures import Closure
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.numerics.network.parts import TENSION_ONLY
 from tautwire.numerics.track import Track
+from tautwire.specs.line.cantilever import Elastic
 from tautwire.specs.line.catenary import Device
 from tautwire.specs.line.dropper import DropperStiffness
 from tautwire.specs.line.support import UpliftStop
@@ -172,6 +174,8 @@ class Registration:
         Whether the wire is held along the track once the shape is found.
     stop : UpliftStop or None
         What it meets when it rises.
+    heel : Elastic or None
+        How the far end of its arm gives way.
     """
 
     label: MastLabel
@@ -183,6 +187,7 @@ class Registration:
     end: tuple[float, float] | None = None
     is_fixed_along: bool = False
     stop: UpliftStop | None = None
+    heel: Elastic | None = None
 
 
 @dataclass(frozen=True)
@@ -198,6 +203,8 @@ class Suspension:
         Vertical.
     is_fixed_along : bool
         Whether the wire is held along the track once the shape is found.
+    elastic : Elastic or None
+        How it gives way besides.
     """
 
     label: MastLabel
@@ -207,6 +214,64 @@ class Suspension:
     stiffness: float
     damping: float
     is_fixed_along: bool
+    elastic: Elastic | None = None
+
+
+@dataclass(frozen=True)
+class Body:
+    """A splice or an insulator in the line of a wire.
+
+    Attributes
+    ----------
+    name : str
+    run : str
+    start, end : float m
+        Equal for a mass alone.
+    mass : float kg/m
+        Per unstrained length, between its ends.
+    end_mass : float kg
+        At each end.
+    axial, bending : float N, N m2
+        EA and EI between its ends.
+    """
+
+    name: str
+    run: str
+    start: float
+    end: float
+    mass: float
+    end_mass: float
+    axial: float
+    bending: float
+
+
+@dataclass(frozen=True)
+class WireStay:
+    """A stay from a wire to a fixed point, without force in the design.
+
+    Attributes
+    ----------
+    name : str
+    at : At
+    end : (float, float, float) m
+        Far end ahead of ``at``, to the left and above the rails.
+    law : int
+        Of its axial force.
+    stiffness : float N/m
+    slack : float m
+        Change of the distance until it acts.
+    """
+
+    name: str
+    at: At
+    end: tuple[float, float, float]
+    law: int
+    stiffness: float
+    slack: float
+
+    def length(self, distance: float) -> float:
+        """Return the unstrained length where the far end is at a distance in the design [m]."""
+        return distance + (self.slack if self.law == TENSION_ONLY else -self.slack)
 
 
 @dataclass(frozen=True)
@@ -217,7 +282,7 @@ class Line:
     ----------
     track : Track
     masts : tuple of float m
-    runs, hangers, joints, registrations, suspensions : tuples of pieces
+    runs, hangers, joints, registrations, suspensions, bodies, stays : tuples of pieces
     marks : tuple of At
         Other places at which a wire needs a node.
     """
@@ -229,6 +294,8 @@ class Line:
     registrations: tuple[Registration, ...]
     suspensions: tuple[Suspension, ...]
     joints: tuple[Joint, ...] = ()
+    bodies: tuple[Body, ...] = ()
+    stays: tuple[WireStay, ...] = ()
     marks: tuple[At, ...] = ()
 
     @cached_property
@@ -270,6 +337,12 @@ class Line:
                 points[at.run].append(at.s)
         return {name: sorted(set(values)) for name, values in points.items()}
 
+    def holding_points(self, run: Run) -> list[float]:
+        """Return where a contact wire is held: its ends, registrations and hangers above."""
+        pieces = [piece.at for piece in self.registrations]
+        pieces += [hanger.lower for hanger in self.hangers]
+        return [run.start.s, run.end.s, *(at.s for at in pieces if at.run == run.name)]
+
     def points(self, run: str) -> list[float]:
         """Return where something is attached to a run, its ends included, from left to right."""
         return self._points[run]
@@ -281,5 +354,7 @@ def _places(line: Line) -> Iterable[At]:
         yield from (hanger.upper, hanger.lower)
     for joint in line.joints:
         yield from (joint.host, joint.other)
-    for piece in (*line.registrations, *line.suspensions):
+    for piece in (*line.registrations, *line.suspensions, *line.stays):
         yield piece.at
+    for body in line.bodies:
+        yield from (At(body.run, body.start), At(body.run, body.end))

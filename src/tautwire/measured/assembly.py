@@ -22,6 +22,8 @@ HOLE = 5.0
 """Steps of time or way beyond so many usual ones are holes in the record."""
 TURN = 2.0
 """Way back that is no jitter of the odometer any more [m]; satellites scatter by less than this."""
+_CALM = 5
+"""Rows on either side of a jump of the position in which it runs on as usual."""
 COARSE, SLOW = 0.4, 5e-3
 """Largest way [m] or, if it is smaller, time [s] between samples of a force measurement (EN 50317,
 from memory)."""
@@ -197,9 +199,11 @@ def _way(label: str, rows: _Rows) -> Array | None:
     for name in ("position", "odometer"):
         _interpolate(rows, name)
     source = "odometer" if "odometer" in rows.values else "position"
-    place = rows.get(source)
-    if place is None:
+    if source not in rows.values:
         return None
+    place = rows.values[source]
+    if "time" in rows.values:
+        rows.values[source] = place = _counted_on(place, source, rows.notes)
     if place[0] == place[-1]:
         raise InputError(f"{label}: the train does not move: the {source} begins and ends alike")
     way = place - place[0] if place[-1] > place[0] else place[0] - place
@@ -208,11 +212,38 @@ def _way(label: str, rows: _Rows) -> Array | None:
     if back[worst] > TURN:
         raise InputError(
             f"{label}: the {source} turns back by {back[worst]:.1f} m at row {worst + 1} of the "
-            "values; give one passage in one direction"
+            "values; give one passage in one direction. A jump of the chainage needs a time, to be "
+            "told from a second passage"
         )
     if back[worst] > 0.0:
         rows.notes.append(f"the {source} jitters by up to {back[worst]:.2f} m; it is held there")
     return _steady(rows, np.maximum.accumulate(way), source)
+
+
+def _counted_on(place: Array, source: str, notes: list[str]) -> Array:
+    """Count a position on where it jumps back from one row to the next and goes on as before.
+
+    That is an equation of chainage, or a counter that was set back; a train that turns goes back
+    row by row. Only a clock that runs on tells it from a second passage that was appended.
+    """
+    steps = np.diff(place)
+    usual = float(np.median(steps))
+    back = np.sign(usual) * steps < -TURN
+    runs = np.sign(usual) * steps > 0.0
+    near = np.convolve(back, np.ones(2 * _CALM + 1), "same")
+    calm = np.convolve(back | ~runs, np.ones(2 * _CALM + 1), "same") <= near
+    jumps = np.flatnonzero(back & (near == 1.0) & calm)
+    if not len(jumps) or usual == 0.0:
+        return place
+    lost = np.zeros(len(place))
+    lost[jumps + 1] = usual - steps[jumps]
+    first = int(jumps[0])
+    notes.append(
+        f"the {source} jumps back in {len(jumps)} places, the first by {abs(steps[first]):.1f} m "
+        f"after row {first + 1} of the values; it is counted on from there, so that what lies "
+        f"beyond is {abs(lost[first + 1]):.1f} m off what was recorded (--offset)"
+    )
+    return place + np.cumsum(lost)
 
 
 def _interpolate(rows: _Rows, name: str) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.expand import expand
+from tautwire.line.fittings import lumps, sections
 from tautwire.line.pieces import GivenHeight, Line, Run
 from tautwire.model.guess import Guess, guess_shape
 from tautwire.model.irregularity import draw_irregularities
@@ -108,7 +109,7 @@ def build(case: Case) -> Model:
 
 
 def _lumped_masses(line: Line, mesh: Mesh) -> Array:
-    """Return the masses of clamps and springs, ``(n_node,)`` [kg]."""
+    """Return the masses of clamps, springs and bodies, ``(n_node,)`` [kg]."""
     mass = np.zeros(mesh.node_count)
     for hanger in line.hangers:
         mass[mesh.node(hanger.upper)] += hanger.clamps[0]
@@ -117,6 +118,8 @@ def _lumped_masses(line: Line, mesh: Mesh) -> Array:
         mass[mesh.node(joint.host)] += joint.clamp
     for piece in line.registrations:
         mass[mesh.node(piece.at)] += piece.clamp + piece.kind.mass
+    for at, lump in lumps(line):
+        mass[mesh.node(at)] += lump
     return mass
 
 
@@ -169,6 +172,10 @@ def _positions(line: Line, mesh: Mesh, guess: Guess) -> Array:
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         position[strand.nodes, 0] = r
         position[strand.nodes, 1] = _stretch(strand.run) * direction
+    for heel, piece in zip(mesh.heels, line.registrations, strict=True):
+        if piece.heel is not None:
+            position[heel, 0] = mesh.frames[heel].to_world(np.array([0.0, piece.y, piece.z]))
+            position[heel, 1] = mesh.frames.axes[heel, 0]
     return position
 
 
@@ -176,15 +183,15 @@ def _cables(line: Line, mesh: Mesh, guess: Guess) -> Cables:
     """Return all wire elements, strand by strand, at guessed unstrained lengths."""
     parts = []
     for strand in mesh.strands:
-        wire, count = strand.run.wire, len(strand.cables)
+        made = sections(line, strand.run, strand.s)
         chord = np.linalg.norm(np.diff(_points(line, mesh, strand, guess), axis=0), axis=1)
         parts.append(
             Cables(
                 np.stack([strand.nodes[:-1], strand.nodes[1:]], axis=1),
-                chord / _stretch(strand.run),
-                axial=np.full(count, wire.axial_stiffness),
-                bending=np.full(count, wire.bending_stiffness),
-                mass=np.full(count, wire.mass),
+                chord / (1.0 + strand.run.wire.tension / made.axial),
+                axial=made.axial,
+                bending=made.bending,
+                mass=made.mass,
             )
         )
     return Cables.none().joined(*parts)
@@ -246,6 +253,7 @@ def _held(line: Line, mesh: Mesh) -> NDArray[np.bool_]:
     for group in groups(line, mesh):
         for direction in group.kind.held:
             held[group.nodes, direction] = True
+    held[mesh.heels[mesh.heels >= 0]] = True
     return held.ravel()
 
 

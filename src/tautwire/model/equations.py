@@ -11,16 +11,24 @@ from numpy.typing import NDArray
 from tautwire.errors import ModelError
 from tautwire.model.build import Model
 from tautwire.model.operation.devices import tensioning_devices
-from tautwire.model.registrations import registrations_at_rest, suspension_grounds, uplift_stops
-from tautwire.numerics.network.parts import Clamps, Grounds, Stays
+from tautwire.model.operation.elastic import (
+    HOLDING,
+    arms_on_heels,
+    elastic_grounds,
+    held_heels,
+    moving_masses,
+)
+from tautwire.model.registrations import (
+    registrations_at_rest,
+    suspension_grounds,
+    uplift_stops,
+    wire_stays,
+)
+from tautwire.numerics.network.parts import Clamps, Grounds, Stays, Ties
 from tautwire.numerics.network.system import System, internal_force, weight_load
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[Any]
-
-HOLDING = 1e8
-"""Stiffness of a spring that holds a node in a direction across the axes of the coordinates [N/m]:
-under 1 kN it gives way by 10 micrometres, and it is no stiffer than a wire element of 0.15 m."""
 
 
 def equations(model: Model, shape: Equilibrium) -> System:
@@ -89,18 +97,21 @@ def at_rest(
     built = model.form.system
     held, load = _ends_and_suspensions(model, shape, anchored)
     stays, grounds = Stays.none(), suspension_grounds(line, mesh, shape.suspension_free_heights)
-    tensioning = tensioning_devices(model, shape.position)
-    mass = tensioning.mass
+    tensioning, arms = tensioning_devices(model, shape.position), Ties.none()
+    mass = tensioning.mass + moving_masses(line, mesh, broken)
     for group, rest in registrations_at_rest(line, mesh, shape, gravity, broken):
+        rest, on_heels = arms_on_heels(mesh, group, rest)
         stays, grounds = stays.joined(rest.stays), grounds.joined(rest.grounds)
+        arms = arms.joined(on_heels)
         load[group.nodes, :3] += rest.load
         held[group.nodes, 1] = rest.is_held_sideways
         mass[group.nodes] += rest.added_mass
-    stays = stays.joined(uplift_stops(line, mesh, shape, broken))
+    held_heels(line, mesh, held, broken)
+    stays = stays.joined(uplift_stops(line, mesh, shape, broken), wire_stays(line, mesh, shape))
     system = built.with_(
         position=shape.position,
         cables=built.cables.with_(length=shape.cable_lengths),
-        ties=built.ties.of_length(shape.dropper_lengths_unstrained),
+        ties=built.ties.of_length(shape.dropper_lengths_unstrained).joined(arms),
         stays=stays,
         grounds=grounds.joined(tensioning.springs),
         clamps=_clamps(built.clamps, shape),
@@ -108,7 +119,10 @@ def at_rest(
     )
     mass = system.node_mass + system.ties.hanging_mass(system.node_count) + mass
     system = system.with_(node_mass=mass, load=system.load + weight_load(system, gravity))
-    return _holding(system, held, mesh.frames.axes)
+    elastic = elastic_grounds(line, mesh, system, broken)
+    system = _holding(system, held, mesh.frames.axes)
+    system.fixed.reshape(-1, 6)[mesh.heels[mesh.heels >= 0], 3:] = True
+    return system.with_(grounds=system.grounds.joined(elastic))
 
 
 def _ends_and_suspensions(
@@ -129,7 +143,8 @@ def _ends_and_suspensions(
             fixed[node, 0] = anchored[side, number]
             load[node, :3] += shape.end_pulls[side, number] * mesh.frames.axes[node, 0]
     for piece in model.line.suspensions:
-        fixed[mesh.node(piece.at), :2] = piece.is_fixed_along, True
+        is_rigid = piece.elastic is None or piece.elastic.lateral is None
+        fixed[mesh.node(piece.at), :2] = piece.is_fixed_along, is_rigid
     for piece in model.line.registrations:
         fixed[mesh.node(piece.at), 0] = piece.is_fixed_along
     return fixed, load

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.fittings import sections
 from tautwire.line.pieces import At, GivenHeight, GivenLength, Hanger, Line, Role
 from tautwire.model.mesh import Mesh, Strand
 
@@ -82,7 +83,7 @@ def _string(line: Line, strand: Strand, weights: Array, gravity: float) -> _Stri
     """
     dx = np.diff(strand.s)
     load = weights[strand.nodes].copy()
-    own = 0.5 * strand.run.wire.mass * gravity * dx
+    own = 0.5 * sections(line, strand.run, strand.s).mass * gravity * dx
     load -= strand.run.wire.tension * line.track.rise_curvature(strand.s) * np.gradient(strand.s)
     load[:-1] += own
     load[1:] += own

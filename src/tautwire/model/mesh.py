@@ -61,11 +61,14 @@ class Mesh:
     s : (n_node,) m
         Place of every node along the track.
     track : Track
+    heels : (n_registration,)
+        Node at the elastic far end of the arm of each registration; -1 where it has none.
     """
 
     strands: tuple[Strand, ...]
     s: Array
     track: Track
+    heels: Index
 
     @property
     def node_count(self) -> int:
@@ -171,18 +174,22 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
         _divided(np.array(line.points(run.name)), _division(line, run, settings, speed))
         for run in line.runs
     ]
+    elastic = [row for row, piece in enumerate(line.registrations) if piece.heel is not None]
+    places.append(np.array([line.registrations[row].at.s for row in elastic], dtype=float))
     s = np.concatenate(places)
     strand_of = np.repeat(np.arange(len(places)), [len(p) for p in places])
     order = np.lexsort((strand_of, s))
     number = np.empty(len(s), dtype=np.int64)
     number[order] = np.arange(len(s))
     strands, first_node, first_cable = [], 0, 0
-    for run, own in zip(line.runs, places, strict=True):
+    for run, own in zip(line.runs, places[:-1], strict=True):
         nodes = number[first_node : first_node + len(own)]
         cables = np.arange(first_cable, first_cable + len(own) - 1)
         strands.append(Strand(run, own, nodes, cables, _leads(line, run)))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
-    return Mesh(tuple(strands), s[order], line.track)
+    heels = np.full(len(line.registrations), -1)
+    heels[elastic] = number[first_node:]
+    return Mesh(tuple(strands), s[order], line.track, heels)
 
 
 def _division(line: Line, run: Run, settings: Settings, speed: float) -> Division:

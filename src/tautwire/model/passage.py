@@ -112,6 +112,19 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     return Passage(inputs, tuple(forces), duration, latest, tuple(warnings))
 
 
+def working_height(model: Model, shape: Equilibrium) -> float:
+    """Return the working height of a pantograph that has none of its own [m].
+
+    Parameters
+    ----------
+    model
+        The line.
+    shape
+        Its static state.
+    """
+    return float(_running_heights(model, shape).mean())
+
+
 def _running_heights(model: Model, shape: Equilibrium) -> Array:
     """Return the static height of the contact wire, averaged over each analysed span [m].
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from tautwire.line.alignment import alignment
 from tautwire.line.expand import expand
+from tautwire.line.fittings import total_mass
 from tautwire.model.preflight import Advice
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
@@ -22,6 +23,14 @@ from tautwire.specs.line.dropper import Droppers
 from tautwire.specs.line.wire import Wire
 
 Array = NDArray[np.float64]
+
+DIP = 0.01
+"""Depth to which a body may bend the contact wire between droppers [m] before it is told: chosen,
+half of a usual pre-sag; sagging joints wear strips and wire."""
+
+BENT = 0.05
+"""Deflection of an elastic cantilever under the lateral pull of its design [m] from which it is
+told: chosen, a tenth of the stagger from side to side."""
 
 COPPER = 8900.0
 """Density of copper and its alloys [kg/m3], of which contact wires and most ropes are made."""
@@ -89,7 +98,7 @@ def implausible_inputs(case: Case) -> tuple[Advice, ...]:
         Warnings; empty for a usual line.
     """
     found = [advice for name, wire in case.wires.named() for advice in _wire(name, wire)]
-    return (*found, *_staggers(case), *_rounded_presag(case))
+    return (*found, *_staggers(case), *_rounded_presag(case), *_bodies(case))
 
 
 def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
@@ -110,7 +119,25 @@ def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
         *_slack(shape),
         *_scatter(case, shape),
         *_arms(case, shape),
+        *_bent(case, shape),
     )
+
+
+def _bent(case: Case, shape: Equilibrium) -> Iterator[Advice]:
+    """Tell that a cantilever gives way far under what its arm pulls in the design."""
+    pulls = np.abs(shape.arm_forces * np.cos(shape.arm_angles))
+    for support, pull in zip(shape.support_number[shape.arm_supports - 1], pulls, strict=True):
+        cantilever = case.supports.at(int(support) - 1).cantilever
+        arm = None if cantilever is None else cantilever.arm
+        if arm is None or arm.lateral is None or pull <= BENT * arm.lateral:
+            continue
+        yield _warning(
+            "elastic cantilever",
+            f"the heel at support {support} gives way by {pull / arm.lateral:.2f} m under the "
+            f"{pull:.0f} N that its arm pulls sideways (usual: at most {BENT:g} m)",
+            "check supports.cantilever.arm.lateral (50 to 500 kN/m)",
+        )
+        return
 
 
 def _warning(topic: str, text: str, cure: str) -> Advice:
@@ -164,6 +191,36 @@ def _staggers(case: Case) -> Iterator[Advice]:
                 "alternate the signs of supports.contact_stagger, or give one value",
             )
         first += count
+
+
+def _bodies(case: Case) -> Iterator[Advice]:
+    """Tell that a body bends a contact wire between the places that hold it.
+
+    A string under the tension T sags by ``P a b/(T (a + b))`` under the force P at distances a and
+    b from where it is held; P is what a body weighs more than the wire in its place.
+    """
+    if not case.bodies:
+        return
+    line = expand(case)
+    for body in line.bodies:
+        run = line.by_name[body.run]
+        if run.role != "contact":
+            continue
+        held = line.holding_points(run)
+        left = max((s for s in held if s <= body.start), default=run.start.s)
+        right = min((s for s in held if s >= body.end), default=run.end.s)
+        a, b = (0.5 * (body.start + body.end) - end for end in (left, right))
+        wire = run.wire.mass * (body.end - body.start)
+        force = (total_mass(line, body) - wire) * case.line.gravity
+        dip = -force * a * b / (run.wire.tension * (a - b)) if a > b else 0.0
+        if dip > DIP:
+            yield _warning(
+                "body",
+                f"{body.name!r} in {body.run!r} at {body.start:.2f} m pulls the contact wire down "
+                f"by {1e3 * dip:.0f} mm between the droppers or supports beside it, {-b:.1f} m and "
+                f"{a:.1f} m away (usual: at most {1e3 * DIP:g} mm)",
+                "hang it on droppers at its ends, or check its mass (bodies)",
+            )
 
 
 def _rounded_presag(case: Case) -> Iterator[Advice]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.errors import ModelError
 from tautwire.line.closures import AtRest, Closure, Held, along_axes
 from tautwire.line.pieces import Line
 from tautwire.model.mesh import Mesh
@@ -17,6 +18,8 @@ from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+SHORTEST_STAY = 0.2
+"""Least length of a stay [m]: a shorter one turns by more than the wire moves."""
 STOP_LENGTH = 10.0
 """Length of the bar that stands for an uplift stop [m]: a wire 0.1 m aside of it meets it 0.5 mm
 later, and is pushed sideways by 1 % of the force."""
@@ -171,6 +174,33 @@ def uplift_stops(line: Line, mesh: Mesh, shape: Equilibrium, broken: Collection[
         mass=np.zeros(len(stops)),
         law=np.full(len(stops), COMPRESSION_ONLY),
     )
+
+
+def wire_stays(line: Line, mesh: Mesh, shape: Equilibrium) -> Stays:
+    """Return the stays that hold wires to fixed points, without force in a design.
+
+    Raises
+    ------
+    ModelError
+        When the far end of one is at its wire.
+    """
+    pieces = line.stays
+    nodes = mesh.nodes(piece.at for piece in pieces)
+    frames = mesh.frames[nodes]
+    end = frames.to_world(np.array([piece.end for piece in pieces]).reshape(-1, 3))
+    stiffness = np.array([piece.stiffness for piece in pieces])
+    law = np.array([piece.law for piece in pieces], dtype=np.int64)
+    stays = Stays(nodes, end, np.ones(len(pieces)), stiffness, np.zeros(len(pieces)), law)
+    apart = stays.state(shape.position).length  # as it is counted later: no force by rounding
+    if faults := [
+        f"the stay {piece.name!r} at x = {piece.at.s:.2f} m: its far end is {d:.2f} m from the "
+        f"wire; give it {SHORTEST_STAY:g} m more than its slack (stays, end_y, end_z, end_along)"
+        for piece, d in zip(pieces, apart, strict=True)
+        if d < piece.slack + SHORTEST_STAY
+    ]:
+        raise ModelError("\n".join(faults))
+    length = [piece.length(d) for piece, d in zip(pieces, apart.tolist(), strict=True)]
+    return stays.with_(length=np.array(length))
 
 
 def suspension_grounds(line: Line, mesh: Mesh, free_height: Array) -> Grounds:

@@ -28,7 +28,8 @@ class Accuracy(Plain):
         What they cost.
     widths : mapping of str to float
         Half width of the error bar by ``pantograph/filter/quantity`` [N], ``pantograph/loss``
-        [% of the time] and ``uplift`` [m].
+        [% of the time] and ``uplift`` [m]; of bounds also ``pantograph/history``, what the time
+        step leaves in the unfiltered force over time [N rms].
     """
 
     kind: str
@@ -62,6 +63,39 @@ class Accuracy(Plain):
             return cls(str(data["kind"]), str(data["told"]), *spans, float(data["cpu_s"]), widths)
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"numerical errors are damaged: {error}") from None
+
+
+def last_place(error: float) -> int:
+    """Return the power of ten of the last digit that an error above 0 leaves to a number.
+
+    An error is told to one digit, to two where the first is 1.
+
+    Examples
+    --------
+    >>> last_place(0.32), last_place(12.0)
+    (-1, 0)
+    """
+    place = math.floor(math.log10(error))
+    return place - (error < 2.0 * 10.0**place)
+
+
+def rounded(value: float, error: float) -> float:
+    """Return a number without the digits that its error makes worthless.
+
+    Parameters
+    ----------
+    value
+    error
+        Half width of the error bar; where it is 0 or NaN the number is returned as it is.
+
+    Examples
+    --------
+    >>> rounded(52.3784, 0.32), rounded(1294.3, 45.0)
+    (52.4, 1290.0)
+    """
+    if not (math.isfinite(value) and math.isfinite(error) and error > 0.0):
+        return value
+    return round(value, -last_place(error))
 
 
 def error_of(accuracy: Accuracy | None, *path: str) -> float:

@@ -243,7 +243,7 @@ class Equilibrium(Told):
     def wires(self) -> tuple[WireShape, ...]:
         """All wires, in the order of ``wire_names``."""
         r = self.in_track_frame(self.position)
-        counts = np.bincount(self.node_wire, minlength=len(self.wire_names))
+        counts = np.bincount(self.node_wire[self.node_wire >= 0], minlength=len(self.wire_names))
         elements = np.split(self.cable_lengths, np.cumsum(counts - 1)[:-1])
         found = []
         for number, (name, role) in enumerate(zip(self.wire_names, self.wire_roles, strict=True)):

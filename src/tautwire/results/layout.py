@@ -220,7 +220,12 @@ EQUILIBRIUM = (
     ),
     Entry("node_s", "node_s", ("node",), "m", "place of the node along the track"),
     Entry(
-        "node_wire", "node_wire", ("node",), "1", "number of the wire of the node, from 0", "count"
+        "node_wire",
+        "node_wire",
+        ("node",),
+        "1",
+        "number of the wire of the node, from 0; -1 for the elastic far end of an arm",
+        "count",
     ),
     Entry("wire_name", "wire_names", ("wire",), "1", "name of the wire", "text"),
     Entry(

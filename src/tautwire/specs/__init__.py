@@ -3,6 +3,7 @@
 from tautwire.specs.case import Case, Source
 from tautwire.specs.line.catenary import Damping, Ends, Line
 from tautwire.specs.line.dropper import Droppers, DropperStiffness
+from tautwire.specs.line.fitting import Body, Stay
 from tautwire.specs.line.irregularity import Installation, Irregularities, Unevenness
 from tautwire.specs.line.support import Arm, Supports, SupportSpring
 from tautwire.specs.line.wire import Wire, Wires
@@ -14,6 +15,7 @@ from tautwire.specs.step_control import StepControl
 
 __all__ = [
     "Arm",
+    "Body",
     "Case",
     "Damping",
     "DropperStiffness",
@@ -30,6 +32,7 @@ __all__ = [
     "Settings",
     "Source",
     "Stage",
+    "Stay",
     "StepControl",
     "SupportSpring",
     "Supports",

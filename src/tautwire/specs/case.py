@@ -14,11 +14,13 @@ from tautwire.specs.checks import find_contradictions
 from tautwire.specs.conditions.condition import Condition
 from tautwire.specs.line.catenary import Line
 from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.fitting import Body, Stay
 from tautwire.specs.line.irregularity import Irregularities
 from tautwire.specs.line.support import Supports
 from tautwire.specs.line.tension import Overlap, TensionLength
 from tautwire.specs.line.track import Track, TrackInput
 from tautwire.specs.line.wire import Wires
+from tautwire.specs.line.workshop import Workshop
 from tautwire.specs.pantograph import Name, Pantograph
 from tautwire.specs.project import Project
 from tautwire.specs.requirements import Requirements
@@ -27,8 +29,10 @@ from tautwire.specs.schema.upgrade import upgraded
 from tautwire.specs.settings import Settings
 from tautwire.text import Told
 
-UNHASHED = ("project",)
+UNHASHED = ("project", "limits", "workshop")
 """Keys that change no number of a result and are left out of its hash."""
+MOST_LIMITS = 200_000
+"""Letters of a file of limits, which stands in every result: that of the package has 15 kB."""
 Confidence = Literal["two sources", "one source", "derived", "memory", "calibrated", "choice"]
 
 
@@ -67,6 +71,12 @@ class Case(Told, Spec):
         default=Project(),
         description="The project block of every page: client, revision, who checked it, logo.",
     )
+    limits: Annotated[str, Field(max_length=MOST_LIMITS), Typical("our-limits.yaml")] = Field(
+        default="",
+        description="File of your own limits, begun with 'tautwire limits --copy', seen from the "
+        "file that names it; what it says is kept in the results. Those of the package if left "
+        "out.",
+    )
     track: TrackInput = Field(
         default=Track(),
         description="The track: a list of straights, transitions and arcs, columns over the "
@@ -91,6 +101,14 @@ class Case(Told, Spec):
         description="How neighbouring tension lengths overlap, from left to right: one overlap for "
         "all, or one each.",
     )
+    bodies: tuple[Body, ...] = Field(
+        default=(),
+        description="Bodies in the line of wires: splices, insulators, section insulators.",
+    )
+    stays: tuple[Stay, ...] = Field(
+        default=(),
+        description="Ropes, bars and struts that hold wires sideways or along the track.",
+    )
     pantographs: tuple[Pantograph, ...] = Field(
         min_length=1, max_length=20, description="The pantographs of the train, leading one first."
     )
@@ -110,6 +128,10 @@ class Case(Told, Spec):
         default=Requirements(),
         description="What the line has to keep in its design and in all conditions; nothing if "
         "left out.",
+    )
+    workshop: Workshop = Field(
+        default=Workshop(),
+        description="How droppers are cut and counted; it changes no result of the line.",
     )
     scenario: Scenario = Field(description="Speed, direction and uplift force.")
     settings: Settings = Field(
@@ -190,3 +212,13 @@ class Case(Told, Spec):
         if given is not None:
             return (given,) * len(self.pantographs)
         return tuple(pantograph.uplift_force(scenario.air) for pantograph in self.pantographs)
+
+    def uplift_space(self) -> float | None:
+        """Return the free space for uplift at the supports [m], None when nobody says it.
+
+        It is what the requirements state, or else the smallest gap of an uplift stop.
+        """
+        if self.requirements.uplift_space is not None:
+            return self.requirements.uplift_space
+        gaps = (kind.stop.gap for kind in self.supports.kinds() if kind.stop is not None)
+        return min(gaps, default=None)

@@ -14,10 +14,11 @@ from tautwire.specs.conditions.checks import (
     check_slowed_waves,
 )
 from tautwire.specs.line.catenary import Line
-from tautwire.specs.line.dropper import Droppers
+from tautwire.specs.line.dropper import Droppers, check_sets
+from tautwire.specs.line.fitting import check_fittings
 from tautwire.specs.line.irregularity import check_irregularities
-from tautwire.specs.line.support import Supports, check_hinges
-from tautwire.specs.line.tension import Overlap, TensionLength
+from tautwire.specs.line.support import Supports, check_cantilevers, check_hinges
+from tautwire.specs.line.tension import check_tension_lengths
 from tautwire.specs.line.track import check_track
 from tautwire.specs.line.wire import Wires
 from tautwire.specs.pantograph import Pantograph
@@ -426,48 +427,16 @@ def check_train_length(
     ]
 
 
-def check_tension_lengths(
-    line: Line, tension_lengths: tuple[TensionLength, ...], overlaps: tuple[Overlap, ...]
-) -> list[Problem]:
-    """Check that tension lengths follow each other, overlap and cover the line."""
-    if not tension_lengths:
-        text = "needs tension_lengths, which it joins"
-        return [Problem(("overlaps",), text)] if overlaps else []
-    supports, problems = line.spans + 1, []
-    ends = (tension_lengths[0].masts[0], tension_lengths[-1].masts[1])
-    if ends != (1, supports):
-        text = f"reach from support {ends[0]} to {ends[1]}; the line has supports 1 to {supports}"
-        problems.append(Problem(("tension_lengths",), text))
-    names = [one.name for one in tension_lengths]
-    problems += [
-        Problem(("tension_lengths", number, "name"), f"got {name!r} again")
-        for number, name in enumerate(names)
-        if name in names[:number]
-    ]
-    joints = len(tension_lengths) - 1
-    if len(overlaps) not in (0, 1, joints):
-        text = f"has {len(overlaps)} entries for {joints} overlaps; give one for all, or one each"
-        problems.append(Problem(("overlaps",), text))
-    for number, (left, right) in enumerate(pairwise(tension_lengths), start=1):
-        shared = left.masts[1] - right.masts[0]
-        given = overlaps[min(number, len(overlaps)) - 1] if overlaps else Overlap()
-        if shared not in given.possible_spans():
-            text = (
-                f"{right.name!r} shares {max(shared, 0)} spans with {left.name!r}; an overlap has "
-                f"{' or '.join(str(n) for n in given.possible_spans())}"
-            )
-            problems.append(Problem(("tension_lengths", number, "masts"), text))
-    return problems
-
-
 Check = Callable[..., list[Problem]]
 CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("line", "supports"), check_support_lists),
     (("line", "track", "pantographs"), check_track),
     (("line", "droppers"), check_droppers),
     (("line", "tension_lengths", "overlaps"), check_tension_lengths),
+    (("line", "wires", "droppers", "tension_lengths"), check_sets),
     (("wires", "supports", "droppers"), check_dropper_wires),
     (("line", "wires", "supports", "droppers"), check_encumbrance),
+    (("wires", "supports"), check_cantilevers),
     (("wires", "scenario"), check_speed),
     (("pantographs",), check_pantograph_row),
     (("scenario", "pantographs"), check_forces),
@@ -478,6 +447,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Check], ...] = (
     (("conditions", "condition", "wires", "droppers"), check_conditions),
     (("line", "tension_lengths", "conditions"), check_places),
     (("conditions", "wires", "scenario"), check_slowed_waves),
+    (("line", "wires", "tension_lengths", "bodies", "stays"), check_fittings),
     (("line", "requirements"), check_requirements),
     (("requirements", "conditions", "wires", "droppers"), check_gauge),
 )

@@ -138,7 +138,9 @@ class Requirements(Spec):
         )
     )
     uplift_space: Annotated[float, Quantity("m", gt=0.0, le=1.0, typical="120 mm")] | None = Field(
-        default=None, description="Free space for uplift at the supports."
+        default=None,
+        description="Free space for uplift at the supports; by default the smallest gap of an "
+        "uplift stop.",
     )
     structures: tuple[Structure, ...] = Field(
         default=(), description="Structures over the line, to which the wires keep a distance."
@@ -160,7 +162,7 @@ def check_gauge(
         listed = ", ".join(names) if names else "none; describe them under 'conditions'"
         text = f"got {gauge.condition!r}; the conditions are: {listed}"
         return [Problem(("requirements", "gauge", "condition"), text)]
-    return list(missing_numbers(gauge.state(conditions, "left"), wires, droppers))
+    return missing_numbers([gauge.state(conditions, "left")], wires, droppers)
 
 
 def check_requirements(line: Line, requirements: Requirements) -> list[Problem]:

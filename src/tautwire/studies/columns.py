@@ -73,5 +73,16 @@ TEXTS = {
     "warnings": "what to know before the numbers are used, such as what is outside the model",
 }
 KNOWN = (*PER_FILTER, STD, *PER_PANTOGRAPH, *PER_CASE)
-NAMES = (*(item.name for item in (*KNOWN, *COST)), PANTOGRAPH, FILTER, BAND)
+ERROR = "_error"
+"""End of the name of what tells the numerical error of the quantity before it."""
+_WITH_ERROR = {*(name for name, _ in _FORCES), "std", "loss_percent", "uplift_max"} - {
+    "std_advised"
+}
+ERRORS = tuple(
+    Quantity(item.name + ERROR, item.unit, f"numerical error of: {item.text}", item.dimensions)
+    for item in KNOWN
+    if item.name in _WITH_ERROR
+)
+"""Of the quantities that have one, in tables of cases with ``settings.error``."""
+NAMES = (*(item.name for item in (*KNOWN, *ERRORS, *COST)), PANTOGRAPH, FILTER, BAND)
 """Names that no axis may have."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError, not_installed
 from tautwire.plain import Plain
+from tautwire.results.accuracy import rounded
 from tautwire.specs.study import Study
 from tautwire.studies import columns
 from tautwire.studies.axes import AxisValues, Dimension
@@ -133,6 +134,11 @@ class StudyTable:
         """
         return column not in str(self.marked[index]).split(", ")
 
+    def error(self, name: str, index: tuple[int, ...]) -> float:
+        """Return the numerical error of a quantity in one place; NaN where none was asked for."""
+        found = self.variables.get(name + columns.ERROR)
+        return float("nan") if found is None else float(found.values[index])
+
     def __getitem__(self, name: str) -> Variable:
         """Return a variable by name."""
         if name not in self.variables:
@@ -206,12 +212,20 @@ class StudyTable:
         for variable in self.variables.values():
             quantity = variable.quantity
             further = [self.labels[name] for name in quantity.dimensions]
-            columns_of = variable.values.reshape(count, -1)
+            columns_of = self._told_values(quantity.name).reshape(count, -1)
             for at, index in enumerate(np.ndindex(*map(len, further))):
                 words = [labels[i] for labels, i in zip(further, index, strict=True)]
                 band = f"_{words.pop()}" if BAND in quantity.dimensions else ""
-                head = ".".join([*words, quantity.name + band])
+                name = quantity.name.removesuffix(columns.ERROR)
+                head = ".".join([*words, name + band + quantity.name[len(name) :]])
                 yield _headed(head, quantity.unit), columns_of[:, at]
+
+    def _told_values(self, name: str) -> NDArray[Any]:
+        """Return the numbers of a variable without digits that their errors make worthless."""
+        values, errors = self.variables[name].values, self.variables.get(name + columns.ERROR)
+        if errors is None:
+            return values
+        return np.vectorize(rounded, otypes=[float])(values, errors.values)
 
     def to_xarray(self) -> Any:
         """Return the table as an ``xarray.Dataset``.
@@ -324,7 +338,7 @@ def _bands(part: Mapping[str, Any]) -> list[str]:
 
 
 def _quantities(
-    rows: Iterable[Row], labels: Mapping[str, Sequence[str]], axes: Set[str]
+    rows: Collection[Row], labels: Mapping[str, Sequence[str]], axes: Set[str]
 ) -> list[Quantity]:
     """Return what the table holds: the known quantities, then numbers of other tasks."""
     taken = axes | set(columns.NAMES)
@@ -335,6 +349,8 @@ def _quantities(
         if isinstance(value, (int, float)) and name not in taken
     }
     found = columns.KNOWN if labels[PANTOGRAPH] else ()
+    if any("uplift_max" + columns.ERROR in row["values"] for row in rows):
+        found = (*found, *columns.ERRORS)
     return [*found, *(Quantity(name, "1", name) for name in others), *columns.COST]
 
 
@@ -348,14 +364,22 @@ def _fill(
             arrays[name][at] = value
     for entry in values.get("pantographs", ()):
         who = labels[PANTOGRAPH].index(entry["name"])
-        for quantity in columns.PER_PANTOGRAPH:
-            arrays[quantity.name][at, who] = _number(entry.get(quantity.name))
+        for name in _held(arrays, columns.PER_PANTOGRAPH):
+            arrays[name][at, who] = _number(entry.get(name))
         for kind, part in entry["filters"].items():
             through = labels[FILTER].index(kind)
-            for quantity in columns.PER_FILTER:
-                arrays[quantity.name][at, who, through] = _number(part.get(quantity.name))
-            for number, band in enumerate(labels[BAND]):
-                arrays["std"][at, who, through, number] = _number(part.get(f"std_{band}"))
+            for name in _held(arrays, columns.PER_FILTER):
+                arrays[name][at, who, through] = _number(part.get(name))
+            for name in _held(arrays, (columns.STD,)):
+                for number, band in enumerate(labels[BAND]):
+                    value = part.get(name.replace("std", f"std_{band}"))
+                    arrays[name][at, who, through, number] = _number(value)
+
+
+def _held(arrays: Mapping[str, NDArray[Any]], quantities: Iterable[Quantity]) -> list[str]:
+    """Return the names of quantities, and of their errors, that the table holds."""
+    names = [name for own in quantities for name in (own.name, own.name + columns.ERROR)]
+    return [name for name in names if name in arrays]
 
 
 def _number(value: float | None) -> float:

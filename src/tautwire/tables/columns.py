@@ -11,10 +11,13 @@ from typing import Any
 from tautwire.specs.schema.vocabulary import folded, words_for
 
 TEXT, COUNT, DEGREES, ANY = "text", "#", "deg", "any"
-KINDS = ("supports", "droppers", "wires")
+KINDS = ("supports", "droppers", "wires", "bodies", "stays")
 """Tables of a line."""
+BOOK_KINDS = (*KINDS, "values", "sources")
+"""Tables of a workbook that is a case."""
 RECORDING = "recording"
 
+_WORD = re.compile(r"[^\W\d_]+|\d+")
 _UNIT = re.compile(r"[\[(]\s*([^\[\]()]*?)\s*[\])]\s*$")
 
 
@@ -29,6 +32,8 @@ class Field:
         SI unit, :data:`COUNT`, :data:`TEXT`, :data:`DEGREES` or :data:`ANY`.
     headings : frozenset of str
         What it is called, folded.
+    keys : frozenset of str
+        The same by its words alone, as :func:`key_of` tells them.
     is_numbered : bool
         Whether a table may have several, told apart by numbers.
     plausible : (str, float, float) or None
@@ -40,12 +45,13 @@ class Field:
     name: str
     unit: str
     headings: frozenset[str]
+    keys: frozenset[str] = frozenset()
     is_numbered: bool = False
     plausible: tuple[str, float, float] | None = None
     units: tuple[str, ...] = ()
 
 
-@lru_cache(maxsize=len(KINDS) + 1)
+@lru_cache(maxsize=len(BOOK_KINDS) + 1)
 def fields_of(kind: str) -> tuple[Field, ...]:
     """Return the fields of a kind of table."""
     return tuple(
@@ -53,6 +59,7 @@ def fields_of(kind: str) -> tuple[Field, ...]:
             name,
             entry["unit"],
             _headings(name, entry),
+            _keys(name, entry),
             entry.get("numbered", False),
             tuple(entry["plausible"]) if "plausible" in entry else None,
             tuple(entry.get("units", ())),
@@ -84,17 +91,56 @@ def role_of(text: str) -> str | None:
     return next((role for role, entry in roles if word in _headings(role, entry)), None)
 
 
+@lru_cache(maxsize=len(BOOK_KINDS) + 1)
+def sheet_names(kind: str) -> frozenset[str]:
+    """Return what a sheet with a kind of table is called, folded."""
+    entry = _content()["sheets"].get(kind)
+    return frozenset() if entry is None else _headings(kind, entry)
+
+
+@lru_cache(maxsize=1)
+def total_words() -> frozenset[str]:
+    """Return what the first cell of a row of totals says, folded."""
+    return frozenset(map(folded, _content()["totals"]))
+
+
 def split_heading(heading: str) -> tuple[str, str]:
     """Return the words of a heading and the unit in its brackets."""
     match = _UNIT.search(heading)
     return (heading[: match.start()], match.group(1)) if match else (heading, "")
 
 
+def key_of(words: str) -> str:
+    """Return the words of a heading in one order, without articles and prepositions.
+
+    Examples
+    --------
+    >>> key_of("Longitud de la péndola"), key_of("péndola, longitud")
+    ('longitud pendola', 'longitud pendola')
+    """
+    small = _small_words()
+    tokens = (folded(token) for token in _WORD.findall(words))
+    return " ".join(sorted(token for token in tokens if token not in small))
+
+
+@lru_cache(maxsize=1)
+def _small_words() -> frozenset[str]:
+    return frozenset(map(folded, _content()["small"].split()))
+
+
 def _headings(name: str, entry: dict[str, Any]) -> frozenset[str]:
     """Return everything that a column may be called, folded."""
-    shared = words_for(entry["key"]) if "key" in entry else ()
     barred = set(map(folded, entry.get("not", ())))
-    return frozenset(map(folded, (name, *shared, *entry.get("headings", ())))) - barred
+    return frozenset(map(folded, _words(name, entry))) - barred
+
+
+def _keys(name: str, entry: dict[str, Any]) -> frozenset[str]:
+    barred = set(map(key_of, entry.get("not", ())))
+    return frozenset(map(key_of, _words(name, entry))) - barred - {""}
+
+
+def _words(name: str, entry: dict[str, Any]) -> tuple[str, ...]:
+    return (name, *(words_for(entry["key"]) if "key" in entry else ()), *entry.get("headings", ()))
 
 
 @lru_cache(maxsize=1)

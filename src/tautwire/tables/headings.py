@@ -7,12 +7,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tautwire.specs.schema.vocabulary import folded
-from tautwire.tables.columns import TEXT, Field, places, split_heading
+from tautwire.tables.columns import COUNT, TEXT, Field, key_of, places, split_heading
 from tautwire.tables.values import unit_fits
 
 _GROUP = re.compile(r"^.*[.|:\\]|^.*/(?=[^/]*[^\W\d_]{2})")
 """What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``."""
 _TRAILING_UNIT = re.compile(r"^(.*?[^\s_/,;])(?:\s*[/,;]\s+|[\s_]+in\s+|[\s_]+)([^\s_]+)$")
+_NUMBER_WORD = re.compile(
+    r"(?<![^\W\d_])(?:no|nos|nr|num|number|n[º°o]|n|nummer|numero|número|numéro|id|#)\.?(?![^\W\d_])",
+    re.IGNORECASE,
+)
+"""What says that a column holds numbers or names of something: "Vano nº", "Mast-Nr."."""
 _TOKEN = re.compile(r"[^\W\d_]+|\d+")
 
 
@@ -46,18 +51,40 @@ def read_heading(heading: str, unit_below: str, fields: Sequence[Field]) -> Read
     fields
         What the table may hold.
     """
-    for words, unit in _spellings(heading, unit_below):
+    spellings = list(_spellings(heading, unit_below))
+    return _by_name(spellings, fields) or _by_number(spellings, fields)
+
+
+def _by_name(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
+    """Match the words as they stand, in another order, or without what says that they count."""
+    counted = [field for field in fields if field.unit in (TEXT, COUNT)]
+    for words, unit in spellings:
         word = folded(words)
         for field in fields:
             if word in field.headings and unit_fits(unit, field.unit):
                 return Reading(field, unit)
+    for words, unit in spellings:
+        for key, chosen in ((key_of(words), fields), (_counting(words), counted)):
+            for field in chosen:
+                if key in field.keys and unit_fits(unit, field.unit):
+                    return Reading(field, unit)
+    return None
+
+
+def _by_number(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
+    """Match the words of a channel of which a table has several, told apart by numbers."""
     numbered = [field for field in fields if field.is_numbered]
-    for words, unit in _spellings(heading, unit_below) if numbered else ():
+    for words, unit in spellings if numbered else ():
         strip, sensor, names = _numbers(words)
         for field in numbered:
             if names & field.headings and unit_fits(unit, field.unit):
                 return Reading(field, unit, strip, sensor)
     return None
+
+
+def _counting(words: str) -> str:
+    """Return the key of a heading without what says that it counts or names things."""
+    return key_of(_NUMBER_WORD.sub(" ", words))
 
 
 def _spellings(heading: str, unit_below: str) -> Iterator[tuple[str, str]]:

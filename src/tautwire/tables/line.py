@@ -1,23 +1,43 @@
-"""Mapped sheets as parts of a case: spans, supports, droppers, wires, names and chainage."""
+"""Mapped sheets as parts of a case: spans, supports, droppers, wires, bodies, names, chainage."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from itertools import pairwise
 from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.tables.columns import role_of
+from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
-from tautwire.tables.rows import Rows
-from tautwire.tables.values import ratio_of
+from tautwire.tables.rows import LATERAL, Rows
+from tautwire.tables.sheets import Cell
 
 Path = tuple[str | int, ...]
+_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
+"""What spreadsheets make of names such as 12/1."""
 APART = 0.1
 """Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
-SECTIONS = {"supports": ("line", "supports"), "droppers": ("droppers",), "wires": ("wires",)}
+SECTIONS = {
+    "supports": ("line", "supports"),
+    "droppers": ("droppers",),
+    "wires": ("wires",),
+    "bodies": ("bodies",),
+    "stays": ("stays",),
+}
 """Parts of a case that a kind of table fills."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """One value of a case by its path, with the cell that it stands in."""
+
+    path: str
+    value: Cell
+    place: str
 
 
 @dataclass
@@ -28,6 +48,8 @@ class LineTables:
     ----------
     values : dict
         Parts of a case as plain data in SI.
+    said : list of Said
+        Values by their paths, as a table of values has them.
     origins : dict
         Cell from which each single value was read.
     notes : list of str
@@ -35,6 +57,7 @@ class LineTables:
     """
 
     values: dict[str, Any] = field(default_factory=dict)
+    said: list[Said] = field(default_factory=list)
     origins: dict[Path, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -47,25 +70,41 @@ def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
     InputError
         Naming every cell that cannot be used.
     """
-    result, problems = LineTables(), []
-    order = {"supports": 0, "wires": 1, "droppers": 2}
-    for mapping in sorted(mappings, key=lambda one: order[one.kind]):
+    result, problems = LineTables(), _twice(mappings)
+    order = list(_READERS)
+    for mapping in sorted(mappings, key=lambda one: order.index(one.kind)):
         rows = Rows(mapping)
         try:
             _READERS[mapping.kind](rows, result)
         except InputError as error:
             problems += error.problems
         problems += rows.listed_problems()
+        result.notes += [f"{rows.sheet.label}: row {number} sums up those above and is not read"
+                         for number in rows.totals]  # fmt: skip
     if problems:
         raise InputError(problems)
     return result
+
+
+def _twice(mappings: Sequence[SheetMapping]) -> list[str]:
+    """Name sheets of one kind: only one of them could be used."""
+    seen: dict[str, SheetMapping] = {}
+    problems = []
+    for one in mappings:
+        first = seen.setdefault(one.kind, one)
+        if first is not one:
+            problems.append(
+                f"{one.sheet.label}: is a table of {one.kind}, as {first.sheet.name!r} is; keep "
+                "one of the two sheets"
+            )
+    return problems
 
 
 def _supports(rows: Rows, result: LineTables) -> None:
     count = len(rows.indices)
     if count < 2:
         raise InputError(f"{rows.sheet.label}: has {count} support; a line has at least two")
-    _check_numbers(rows, "support", range(1, count + 1))
+    check_order(rows, "support", range(1, count + 1))
     lengths, column = _span_lengths(rows, result)
     line: dict[str, Any] = {"spans": count - 1, **_places(rows, result)}
     if lengths:
@@ -75,17 +114,18 @@ def _supports(rows: Rows, result: LineTables) -> None:
     chainage = line.get("chainage", (0.0, 0.0))
     sign = -1.0 if (rows.mapping.positive == "right") != (chainage[-1] < chainage[0]) else 1.0
     supports: dict[str, Any] = {}
-    for name in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger"):
+    for name in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger", "hinge"):
         if (values := rows.full(name)) is not None:
-            factor = sign if name.endswith("stagger") else 1.0
-            supports[name] = [factor * value for value in values]
+            factor = sign if name in LATERAL else 1.0
+            supports[name] = [factor * value + 0.0 for value in values]  # no -0.0
             for index in range(count):
                 result.origins["supports", name, index] = rows.place(index, name)
     if (types := rows.texts("type")) is not None and any(types):
         supports["type"] = types
     for name in ("arm_end_y", "arm_end_z"):
         if (given := rows.numbers(name)) is not None and any(v is not None for v in given):
-            supports[name] = given
+            factor = sign if name in LATERAL else 1.0
+            supports[name] = [None if v is None else factor * v + 0.0 for v in given]
     result.values |= {"line": line} | ({"supports": supports} if supports else {})
 
 
@@ -94,6 +134,10 @@ def _places(rows: Rows, result: LineTables) -> dict[str, Any]:
     places: dict[str, Any] = {}
     if (names := rows.texts("mast")) is not None:
         places["masts"] = [name or str(index + 1) for index, name in enumerate(names)]
+        for index, name in enumerate(names):
+            if name is not None and _DATE.match(name):
+                text = f"got the date {name}; format the column as text and write the name again"
+                rows.complain(index, "mast", text)
     use = rows.mapping.use("chainage")
     if use is not None and (along := rows.full("chainage")) is not None:
         if not use.unit and abs(along[-1] - along[0]) < len(along):
@@ -113,18 +157,21 @@ def _places(rows: Rows, result: LineTables) -> dict[str, Any]:
 def _span_lengths(rows: Rows, result: LineTables) -> tuple[list[float], str]:
     """Return span lengths from chainage, position or a column of spans.
 
-    Spans beside chainages are right where these jump; beside positions they must agree.
+    Of spans and chainages what is told to more decimals is right, and spans are where chainages
+    jump; beside positions they must agree.
     """
     given = rows.numbers("span_length")
     spans = [] if given is None else _column_of_spans(rows, given, result)
     places = _places(rows, LineTables())
     if rows.numbers("chainage") is not None:
-        steps = _steps(rows, places["chainage"], "chainage")
+        along = places["chainage"]
+        steps = _steps(rows, along, "" if spans else "chainage")
         jumps = [n for n, (a, b) in enumerate(zip(steps, spans, strict=False), 1)
                  if abs(a - b) > APART]  # fmt: skip
         if jumps:
             named = ", ".join(map(str, jumps))
             result.notes.append(f"{rows.sheet.label}: the chainage jumps in the spans {named}")
+        if spans and (jumps or _decimals(spans) >= _decimals(along)):
             return spans, "span_length"
         return steps, "chainage"
     if (along := rows.full("x")) is not None:
@@ -142,10 +189,16 @@ def _steps(rows: Rows, along: Sequence[float], name: str) -> list[float]:
     falling = along[-1] < along[0]
     steps = [(a - b if falling else b - a) for a, b in pairwise(along)]
     for index, step in enumerate(steps, 1):
-        if step <= 0.0 and not rows.problems:
+        if step <= 0.0 and name and not rows.problems:
             text = f"got {along[index]:g} m after {along[index - 1]:g} m; must go on one way"
             rows.complain(index, name, text)
     return [round(step, 6) for step in steps]
+
+
+def _decimals(values: Sequence[float]) -> int:
+    """Return to how many decimals lengths are told, up to a nanometre."""
+    return max(-int(Decimal(repr(round(value, 9))).normalize().as_tuple().exponent)
+               for value in values)  # fmt: skip
 
 
 def _column_of_spans(rows: Rows, spans: Sequence[float | None], result: LineTables) -> list[float]:
@@ -161,86 +214,34 @@ def _column_of_spans(rows: Rows, spans: Sequence[float | None], result: LineTabl
     return [value or 0.0 for value in own]
 
 
+def _plan(result: LineTables) -> LinePlan:
+    line = result.values.get("line", {})
+    return LinePlan(line.get("span_length", []), line.get("masts", []), line.get("spans", 0))
+
+
 def _droppers(rows: Rows, result: LineTables) -> None:
-    positions = rows.full("position")
-    if positions is None:
-        raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
-    spans = _span_of_rows(rows, result)
-    by_span: dict[int, list[int]] = {}
-    for index, span in enumerate(spans):
-        by_span.setdefault(span, []).append(index)
-    _check_numbers(rows, "dropper", [by_span[s].index(i) + 1 for i, s in enumerate(spans)])
-    count = result.values.get("line", {}).get("spans", max(by_span, default=0))
-    missing = [str(span) for span in range(1, count + 1) if span not in by_span]
-    if missing and not rows.problems:
-        rows.problems.append(f"{rows.sheet.label}: no droppers for the spans {', '.join(missing)}")
-    droppers: dict[str, Any] = {}
-    columns = {"positions": positions, **_kinds_of_length(rows, result, spans)}
-    names = {"positions": "position", "lengths": "length", "presag": "presag"}
-    for key, values in columns.items():
-        droppers[key] = [[values[i] for i in by_span[span]] for span in sorted(by_span)]
-        for at, span in enumerate(sorted(by_span)):
-            for number, index in enumerate(by_span[span]):
-                result.origins["droppers", key, at, number] = rows.place(index, names[key])
-    if "presag" not in columns and "lengths" in columns:
-        droppers["mode"] = "length"
-    result.values["droppers"] = droppers
+    found = read_droppers(rows, _plan(result))
+    result.values["droppers"] = found.values
+    result.origins |= {("droppers", *path): cell for path, cell in found.origins.items()}
+    result.notes += found.notes
 
 
-def _kinds_of_length(
-    rows: Rows, result: LineTables, spans: Sequence[int]
-) -> dict[str, list[float]]:
-    """Return lengths and pre-sags, a share of the span as a pre-sag in metres."""
-    columns: dict[str, list[float]] = {}
-    for key, name in (("lengths", "length"), ("presag", "presag")):
-        if (values := rows.full(name)) is not None:
-            columns[key] = values
-    share = rows.mapping.use("presag")
-    if share is not None and "presag" in columns and ratio_of(share.unit) is not None:
-        lengths = result.values.get("line", {}).get("span_length", [])
-        columns["presag"] = [
-            value * lengths[span - 1] if 0 < span <= len(lengths) else value
-            for value, span in zip(columns["presag"], spans, strict=True)
-        ]
-    return columns
+def _values(rows: Rows, result: LineTables) -> None:
+    paths = rows.texts("path") or []
+    for index, (path, value) in enumerate(zip(paths, rows.cells("value"), strict=True)):
+        if path is None:
+            rows.complain(index, "path", "is empty")
+        elif value is not None:
+            result.said.append(Said(path, value, rows.place(index, "value")))
 
 
-def _check_numbers(rows: Rows, name: str, expected: Sequence[int]) -> None:
-    """Complain of the first row that is not numbered in order, where rows are numbered."""
-    numbers = rows.full(name) or []
-    if rows.problems:
-        return  # numbers that could not be read
-    for index, (number, wanted) in enumerate(zip(numbers, expected, strict=False)):
-        if number != wanted:
-            rows.complain(index, name, f"got {number:g}, expected {wanted}; number them in order")
-            return
-
-
-def _span_of_rows(rows: Rows, result: LineTables) -> list[int]:
-    """Return the span of every dropper from a span number or the mast on its left."""
-    if (numbers := rows.numbers("span")) is not None:
-        filled: list[int] = []
-        for index, number in enumerate(numbers):
-            if number is None and not filled:
-                rows.complain(index, "span", "is empty in the first row")
-            filled.append(int(number) if number is not None else (filled or [1])[-1])
-        return filled
-    masts = result.values.get("line", {}).get("masts", [])
-    names = rows.texts("mast")
-    if names is None:
-        raise InputError(
-            f"{rows.sheet.label}: neither a span number nor a mast; say to which span a dropper "
-            "belongs"
-        )
-    spans, last = [], ""
-    for index, name in enumerate(names):
-        last = name or last
-        if last not in masts:
-            rows.complain(index, "mast", f"got {last!r}, which is not in the table of supports")
-            spans.append(1)
-        else:
-            spans.append(masts.index(last) + 1)
-    return spans
+def _sources(rows: Rows, result: LineTables) -> None:
+    names = ("path", "source", "confidence", "template")
+    columns = {name: given for name in names if (given := rows.texts(name)) is not None}
+    result.values["sources"] = [
+        {name: given[index] for name, given in columns.items() if given[index] is not None}
+        for index in range(len(rows.indices))
+    ]
 
 
 def _wires(rows: Rows, result: LineTables) -> None:
@@ -251,8 +252,9 @@ def _wires(rows: Rows, result: LineTables) -> None:
             columns[name] = values
     if (types := rows.texts("use")) is not None:
         columns["use"] = types
+    named = {one.path.split(".")[1] for one in result.said if one.path.startswith("wires.")}
     for index, name in enumerate(rows.texts("wire") or []):
-        role = role_of(name or "")
+        role = name if name in named else role_of(name or "")
         if role is None:
             rows.complain(index, "wire", f"got {name!r}; a wire is a contact wire or a messenger")
             continue
@@ -261,4 +263,45 @@ def _wires(rows: Rows, result: LineTables) -> None:
     result.values["wires"] = wires
 
 
-_READERS = {"supports": _supports, "droppers": _droppers, "wires": _wires}
+def _bodies(rows: Rows, result: LineTables) -> None:
+    numbers = ("length", "mass", "end_mass", "axial_stiffness", "bending_stiffness")
+    _fittings(rows, result, {"name": "body"}, numbers)
+
+
+def _stays(rows: Rows, result: LineTables) -> None:
+    numbers = ("stiffness", "slack", "end_along", "end_y", "end_z")
+    _fittings(rows, result, {"name": "stay", "law": "law"}, numbers)
+
+
+def _fittings(
+    rows: Rows, result: LineTables, texts: dict[str, str], numbers: Sequence[str]
+) -> None:
+    """Read what sits on wires, one per row; cells that are empty say nothing."""
+    places = rows.full("position")
+    if places is None:
+        raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
+    columns: dict[str, Sequence[Any]] = {"span": span_of_rows(rows, _plan(result)), "at": places}
+    for key, name in (texts | {"wire": "wire", "tension_length": "tension_length"}).items():
+        columns[key] = rows.texts(name) or ()
+    for name in numbers:
+        columns[name] = rows.numbers(name) or ()
+    kind = rows.mapping.kind
+    result.values[kind] = [
+        {key: values[index] for key, values in columns.items()
+         if values and values[index] is not None}
+        for index in range(len(places))
+    ]  # fmt: skip
+    for index in range(len(places)):
+        result.origins[kind, index] = rows.place(index, "position")
+
+
+_READERS = {
+    "values": _values,
+    "sources": _sources,
+    "supports": _supports,
+    "wires": _wires,
+    "droppers": _droppers,
+    "bodies": _bodies,
+    "stays": _stays,
+}
+"""Reader of every kind of table, in the order in which they need each other."""

@@ -20,6 +20,7 @@ from tautwire.tables.columns import (
     TEXT,
     Field,
     fields_of,
+    sheet_names,
     split_heading,
 )
 from tautwire.tables.headings import read_heading
@@ -29,6 +30,7 @@ from tautwire.text import shortened
 from tautwire.units import expectation
 
 ASIDE = "aside"
+RENEW = "remove the mapping file to have a new one proposed"
 Side = Literal["left", "right"]
 ALIKE = 0.8
 """Likeness from which an unknown heading is a slip of the pen: one letter in five."""
@@ -36,6 +38,10 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "supports": (("chainage", "x", "span_length", "contact_stagger", "contact_height"),),
     "droppers": (("position",),),
     "wires": (("wire",), ("use", "tension", "mass")),
+    "values": (("path",), ("value",)),
+    "sources": (("path",), ("source",), ("confidence",)),
+    "bodies": (("body",), ("wire",), ("position",)),
+    "stays": (("stay",), ("wire",), ("position",), ("stiffness",)),
     RECORDING: (
         ("time", "position", "odometer"),
         ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
@@ -67,7 +73,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers``, ``wires`` or ``recording``.
+        ``supports``, ``droppers``, ``wires``, ``bodies``, ``stays`` or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use
@@ -109,14 +115,36 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
         When two columns could be the same field: it is never guessed.
     """
     proposals = [match(sheet, kind, fields_of(kind), NEEDS[kind]) for kind in kinds]
-    found = [one for one in proposals if one is not None]
+    named = next((kind for kind in kinds if folded(sheet.name) in sheet_names(kind)), None)
+    found = [one for one in proposals if one is not None and named in (None, one.kind)]
     if not found:
+        if named is not None:
+            _refuse_almost(sheet, named)
         return None
     best = max(found, key=lambda one: len(one.uses))
     if best.kind == RECORDING:
         return _first_of_double(_with_units_alone(best))
     _refuse_double(best)
     return best
+
+
+def _refuse_almost(sheet: Sheet, kind: str) -> None:
+    """Refuse a sheet that is named as a table of the line but lacks a column that it needs.
+
+    Left aside it would be replaced by what the program chooses.
+    """
+    top = range(min(HEADING_ROWS, len(sheet.rows)))
+    row = max(top, key=lambda number: sum(isinstance(cell, str) for cell in sheet.rows[number]))
+    headings = [str(cell) for cell in sheet.rows[row] if cell is not None]
+    known = {name for text in headings if (name := _named_field(text, fields_of(kind)))}
+    missing = [group for group in NEEDS[kind] if not known & set(group)]
+    if missing:
+        needed = "; ".join(" or ".join(map(repr, group)) for group in missing)
+        raise InputError(
+            f"{sheet.label}: is named as a table of {kind}, but none of its columns is {needed}; "
+            f"there are: {shortened(', '.join(headings), 200)}. Name the column so, or the sheet "
+            "otherwise if it is none"
+        )
 
 
 def match(
@@ -234,7 +262,8 @@ def apply_mapping(
     problems, mappings = [], []
     for name, entry in entries.items():
         if name not in by_name:
-            problems.append(f"{label}: there is no sheet {name!r}; there are: {', '.join(by_name)}")
+            there = ", ".join(by_name)
+            problems.append(f"{label}: there is no sheet {name!r}; there are: {there}; {RENEW}")
             continue
         try:
             mappings.append(_as_said(by_name[name], entry, f"{label}: {name}", kinds))
@@ -345,7 +374,7 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
         name, unit = entry_of.get("field"), str(entry_of.get("unit", ""))
         numbers = [entry_of.get(key) for key in ("strip", "sensor")]
         if heading not in columns:
-            problems.append(f"{label}: there is no column {heading!r}")
+            problems.append(f"{label}: there is no column {heading!r}; {RENEW}")
         elif name == ASIDE:
             aside.append(heading)
         elif (
@@ -361,8 +390,14 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
             uses.append(Use(columns[heading], heading, fields[name], unit, *numbers))
     if problems:
         raise InputError(problems)
+    new = [heading for heading in columns if heading not in (entry.get("columns") or {})]
+    notes = tuple(
+        f"{label}: does not name the column {heading!r}, which is left aside; {RENEW}"
+        for heading in new
+        if read_heading(heading, "", fields_of(kind)) is not None
+    )
     first = row + (2 if _units_below(sheet, row) else 1)
-    return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside), side)
+    return SheetMapping(sheet, kind, row, first, tuple(uses), (*aside, *new), side, notes)
 
 
 def _quoted(text: str) -> str:

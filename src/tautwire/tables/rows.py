@@ -5,11 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 from tautwire.errors import InputError
+from tautwire.specs.schema.vocabulary import folded
+from tautwire.tables.columns import total_words
 from tautwire.tables.mapping import SheetMapping, Use
-from tautwire.tables.values import CellError, number_of, ratio_of, text_of
+from tautwire.tables.sheets import Cell
+from tautwire.tables.values import CellError, number_of, ratio_of, side_of, text_of
 
 MOST_PROBLEMS = 1000
 """Cells of which a sheet complains before the rest is only counted."""
+
+
+LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y")
+"""Columns that change their sign with the side on which they are positive."""
 
 
 class Rows:
@@ -18,11 +25,13 @@ class Rows:
     def __init__(self, mapping: SheetMapping) -> None:
         self.mapping, self.sheet = mapping, mapping.sheet
         self.problems: list[str] = []
-        self.indices = [
+        filled = [
             row
             for row in range(mapping.first_row, len(self.sheet.rows))
             if any(self._cell(row, use.column) is not None for use in mapping.uses)
         ]
+        self.totals = [self.sheet.numbers[row] for row in filled if self._is_total(row)]
+        self.indices = [row for row in filled if not self._is_total(row)]
         if not self.sheet.letters:
             self._refuse_overfull(len(self.sheet.rows[mapping.heading_row]))
 
@@ -44,6 +53,15 @@ class Rows:
         """Return a column of names; None where the sheet has none."""
         use = self.mapping.use(name)
         return None if use is None else [self._text(row, use) for row in self.indices]
+
+    def cells(self, name: str) -> list[Cell]:
+        """Return a column as it stands; errors of formulas are complained of."""
+        use = self.mapping.use(name)
+        if use is None:
+            return [None for _ in self.indices]
+        for row in self.indices:
+            self._text(row, use)
+        return [self._cell(row, use.column) for row in self.indices]
 
     def place(self, index: int, name: str) -> str:
         """Name a cell."""
@@ -80,17 +98,25 @@ class Rows:
         cells = self.sheet.rows[row]
         return cells[column] if column < len(cells) else None
 
+    def _is_total(self, row: int) -> bool:
+        """Tell whether a row sums up those above it: its first text says so."""
+        first = next((cell for cell in self.sheet.rows[row] if cell is not None), None)
+        return isinstance(first, str) and folded(first) in total_words()
+
     def _number(self, row: int, use: Use) -> float | None:
         share = ratio_of(use.unit)
         unit, wanted = ("", "") if share is not None else (use.unit, use.field.unit)
+        cell, sign = self._cell(row, use.column), 1.0
+        if use.field.name in LATERAL:
+            cell, sign = side_of(cell)
         try:
-            value = number_of(
-                self._cell(row, use.column), unit, wanted, decimal_comma=self.sheet.decimal_comma
-            )
+            value = number_of(cell, unit, wanted, decimal_comma=self.sheet.decimal_comma)
         except CellError as error:
             self.problems.append(f"{self.mapping.place(row, use)}: {error}")
             return 0.0
-        return value if value is None or share is None else value * share
+        if value is None or (share is None and sign == 1.0):
+            return value
+        return sign * value * (1.0 if share is None else share)
 
     def _text(self, row: int, use: Use) -> str | None:
         try:

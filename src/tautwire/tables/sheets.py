@@ -17,6 +17,8 @@ from tautwire.errors import InputError
 Cell = str | float | None
 SUFFIXES = (".csv", ".txt", ".tsv", ".xlsx", ".xlsm")
 
+UNCALCULATED = "#UNCALCULATED"
+"""What a cell holds whose formula was never calculated: programs that write workbooks do not."""
 MOST_BYTES = 20_000_000
 """Largest file that is read; also the most that a workbook may unpack to, ten times over."""
 MOST_ROWS, MOST_COLUMNS = 20_000, 200
@@ -193,17 +195,46 @@ def workbook_sheets(path: Path, content: bytes, most_rows: int) -> list[Sheet]:
     _refuse_bomb(path, content)
     try:
         book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True)
+        formulas = _formulas(content, most_rows)
         sheets = []
         for sheet in book.worksheets:
             cells = sheet.iter_rows(
                 max_row=most_rows, max_col=MOST_COLUMNS, values_only=True
             )  # fmt: skip
-            rows, numbers = _filled([[_cell(value) for value in row] for row in cells])
+            read = [[_cell(value) for value in row] for row in cells]
+            _mark_uncalculated(read, formulas[sheet.title] if formulas is not None else None)
+            rows, numbers = _filled(read)
             label = f"{path}, sheet {sheet.title!r}"
             sheets.append(Sheet(label, sheet.title, rows, numbers, letters=True))
     except (ValueError, KeyError, OSError, zipfile.BadZipFile, SyntaxError) as error:
         raise InputError(f"{path}: is not a workbook that can be read ({error})") from None
     return sheets
+
+
+def _formulas(content: bytes, most_rows: int) -> dict[str, list[tuple[Any, ...]]] | None:
+    """Return the cells with their formulas by sheet; None for a workbook without any."""
+    import openpyxl
+
+    archive = zipfile.ZipFile(io.BytesIO(content))
+    sheets = [name for name in archive.namelist() if name.startswith("xl/worksheets/")]
+    if not any(b"<f" in archive.read(name) for name in sheets if name.endswith(".xml")):
+        return None
+    book = openpyxl.load_workbook(io.BytesIO(content), read_only=True)
+    return {
+        sheet.title: list(
+            sheet.iter_rows(max_row=most_rows, max_col=MOST_COLUMNS, values_only=True)
+        )
+        for sheet in book.worksheets
+    }
+
+
+def _mark_uncalculated(rows: list[list[Cell]], formulas: list[tuple[Any, ...]] | None) -> None:
+    """Mark empty cells that have a formula."""
+    for row, told in zip(rows, formulas or (), strict=False):
+        for column, formula in enumerate(told[: len(row)]):
+            is_formula = isinstance(formula, str) and formula.startswith("=")
+            if row[column] is None and (is_formula or type(formula).__name__.endswith("Formula")):
+                row[column] = UNCALCULATED
 
 
 def _refuse_bomb(path: Path, content: bytes) -> None:

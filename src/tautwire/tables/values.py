@@ -6,7 +6,7 @@ import re
 from math import isfinite
 
 from tautwire.tables.columns import ANY, COUNT, DEGREES, TEXT
-from tautwire.tables.sheets import Cell
+from tautwire.tables.sheets import UNCALCULATED, Cell
 from tautwire.text import shortened, unprintable
 from tautwire.units import UnitError, expectation, parse_quantity
 
@@ -15,7 +15,18 @@ NOTHING = ("", "-", "–", "—", "nan", "n/a", "k.a.", "k. a.", "s.o.", "n.d.",
 _PLAIN = re.compile(r"[+-]?[0-9]+(?:\.[0-9]*)?(?:[eE][+-]?[0-9]+)?")
 _LONGEST = 400
 """Characters of a number; the longest that is finite has 309 before its decimal point."""
-_KM_M = re.compile(r"([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)")
+_KM_M = re.compile(
+    r"(?:(?:km|pk|kp|bau-km)\.?\s*)?([0-9]+)\s*\+\s*([0-9]+(?:\.[0-9]+)?)", re.IGNORECASE
+)
+_SIDES = {
+    **dict.fromkeys(("l", "left", "links", "li", "i", "izq", "g", "gauche", "sx", "v"), 1.0),
+    **dict.fromkeys(("r", "right", "rechts", "re", "d", "der", "dcha", "droite", "dx", "h"), -1.0),
+}
+"""Letters behind a lateral position, and its sign: positive to the left."""
+_SIDED = re.compile(r"(?P<value>[0-9.,]+\s*(?:mm|cm|m)?)\s+(?P<side>[A-Za-z]+)\.?")
+_THOUSANDS = re.compile(r"(?<![0-9])[0-9]{1,3}(\.[0-9]{3})+$")
+_THOUSANDS_COMMA = re.compile(r"(?<![0-9])[0-9]{1,3}(,[0-9]{3})+$")
+"""Groups of thousands before the decimal sign; with them it is plain which sign is which."""
 _RATIO = {"‰": 1e-3, "per mille": 1e-3, "mm/m": 1e-3, "%": 1e-2}
 _SPOKEN = {
     "N": {"kg": "kgf", "lb": "lbf", "lbs": "lbf"},
@@ -106,6 +117,8 @@ def number_of(cell: Cell, unit: str, wanted: str, *, decimal_comma: bool) -> flo
     if cell is None or (isinstance(cell, str) and cell.lower() in NOTHING):
         return None
     _refuse_error(cell)
+    if isinstance(cell, (int, float)) and unit in ("", wanted) and wanted != COUNT:
+        return float(cell)
     text = f"{cell:.15g}" if isinstance(cell, (int, float)) else cell
     if isinstance(cell, str):
         text = _with_point(text, decimal_comma=decimal_comma)
@@ -129,15 +142,34 @@ def number_of(cell: Cell, unit: str, wanted: str, *, decimal_comma: bool) -> flo
         ) from None
 
 
+def side_of(cell: Cell) -> tuple[Cell, float]:
+    """Return a lateral position without the letter of its side, and its sign.
+
+    Examples
+    --------
+    >>> side_of("200 R"), side_of(-0.2)
+    (('200', -1.0), (-0.2, 1.0))
+    """
+    match = _SIDED.fullmatch(cell) if isinstance(cell, str) else None
+    sign = _SIDES.get(match["side"].lower()) if match is not None else None
+    return (cell, 1.0) if match is None or sign is None else (match["value"].strip(), sign)
+
+
 def _refuse_error(cell: Cell) -> None:
+    if cell == UNCALCULATED:
+        text = "holds a formula without a value; open the workbook in its program and save it"
+        raise CellError(text)
     if isinstance(cell, str) and cell.upper() in ERRORS:
         raise CellError(f"holds the formula error {cell}; mend the formula")
 
 
 def _with_point(text: str, *, decimal_comma: bool) -> str:
     text = text.replace("\u00a0", " ").replace("\u2212", "-")
-    if text.count(",") == 1 and "." not in text:
-        return text.replace(",", ".")
-    if decimal_comma and "," in text:
+    comma, point = text.rfind(","), text.rfind(".")
+    if text.count(",") == 1 and (point < 0 or _THOUSANDS.search(text[:comma])):
         return text.replace(".", "").replace(",", ".")
+    if decimal_comma and comma >= 0:
+        return text.replace(".", "").replace(",", ".")
+    if point > comma >= 0 and _THOUSANDS_COMMA.search(text[:point]):
+        return text.replace(",", "")
     return text

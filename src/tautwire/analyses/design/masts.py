@@ -16,7 +16,7 @@ from tautwire.analyses.design.supports import (
 from tautwire.analyses.design.tensions import TensionProfile, tension_profiles
 from tautwire.model.build import Model
 from tautwire.plain import Plain, named
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.text import DESIGN
 
 

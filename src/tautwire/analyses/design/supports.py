@@ -17,7 +17,7 @@ from tautwire.model.registrations import registrations_at_rest
 from tautwire.numerics.network.parts import Grounds, Stays
 from tautwire.numerics.network.system import internal_force
 from tautwire.plain import Plain, named
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
 
 Array = NDArray[np.float64]
@@ -131,7 +131,10 @@ def _held(model: Model) -> Iterator[tuple[int, At, str, float]]:
 def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Array:
     """Return the forces on what holds nodes: along, level to the left, upwards, ``(n, 3)`` [N]."""
     system = equations(model, shape)
-    bare = system.with_(stays=Stays.none(), grounds=Grounds.none())
+    hangers = np.arange(len(system.ties)) < len(model.line.hangers)
+    bare = system.with_(
+        stays=Stays.none(), grounds=Grounds.none(), ties=system.ties.chosen(hangers)
+    )
     left = (system.load - internal_force(bare, system.position).nodal).reshape(-1, 6)[:, :3]
     force = (left - _constant_forces(model, shape))[nodes]
     t = model.mesh.frames.axes[nodes, 0]

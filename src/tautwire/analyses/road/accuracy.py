@@ -17,6 +17,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.dynamics import Progress, simulate
 from tautwire.analyses.road.shape import find_shape
@@ -144,6 +147,8 @@ def accuracy_of(run: Run, companions: list[Run], kind: str) -> Accuracy:
     others = [dict(figures(contact_statistics(other))) for other in companions]
     changes = {n: sum(abs(other[n] - value) for other in others) for n, value in own.items()}
     widths = {n: least[n] + FACTOR * _shared(n, changes) for n in own}
+    if kind == "bound":
+        widths |= dict(history_errors(run, companions[-1]))
     return Accuracy(
         kind=kind,
         told=WORDS[kind],
@@ -152,6 +157,35 @@ def accuracy_of(run: Run, companions: list[Run], kind: str) -> Accuracy:
         cpu_s=sum(float(other.counters["cpu_s"]) for other in companions),
         widths={name: width for name, width in widths.items() if math.isfinite(width)},
     )
+
+
+def history_errors(run: Run, longer_step: Run) -> Iterator[tuple[str, float]]:
+    """Yield the error that the time step leaves in the unfiltered force over time [N rms].
+
+    Richardson's estimate: the error is of second order, so that of a step longer by sqrt(2) is
+    twice as large, and the difference of both passages is the error itself.
+
+    Parameters
+    ----------
+    run
+    longer_step
+        The passage on the same mesh with a step longer by :data:`LONGER_STEP`.
+
+    Yields
+    ------
+    (``pantograph/history``, float)
+        Over the analysed section.
+    """
+    from scipy.interpolate import CubicSpline
+
+    section = analysed_section(run)
+    for record, other in zip(run.pantographs, longer_step.pantographs, strict=True):
+        compared = other.active & section.contains(other.position)
+        compared &= (longer_step.time >= run.time[0]) & (longer_step.time <= run.time[-1])
+        own = CubicSpline(run.time, record.contact_force)(longer_step.time[compared])
+        change = own - other.contact_force[compared]
+        rms = float(np.sqrt(np.mean(change**2))) if change.size else math.nan
+        yield f"{record.name}/history", rms / (LONGER_STEP**2 - 1.0)
 
 
 def _shared(name: str, changes: Mapping[str, float]) -> float:

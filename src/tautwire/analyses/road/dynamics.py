@@ -97,12 +97,16 @@ class Choices:
         One per pantograph.
     backend : str, optional
         ``"auto"``, ``"native"`` or ``"reference"``.
+    frame_interval : float s, optional
+        Time between pictures, and length of a block; by default 20 ms, and 5 ms where
+        ``settings.store_shapes`` wants every shape.
     """
 
     integrator: Integrator | None = None
     stepping: StepControl | None = None
     uplift_forces: tuple[float, ...] | None = None
     backend: Choice | None = None
+    frame_interval: float | None = None
 
 
 class Simulation:
@@ -138,7 +142,8 @@ class Simulation:
         )
         step = self.stepping.time_step
         whole = np.ceil(self.passage.duration / step - 1e-9)
-        interval = SHAPE_INTERVAL if settings.store_shapes else FRAME_INTERVAL
+        usual = SHAPE_INTERVAL if settings.store_shapes else FRAME_INTERVAL
+        interval = choices.frame_interval or usual
         self.sampling = Sampling(
             step, int(min(whole, self.passage.latest // step)), max(1, round(interval / step))
         )
@@ -194,7 +199,6 @@ def iterate(model: Model, shape: Equilibrium, *, choices: Choices | None = None)
     return Simulation(model, shape, choices).blocks()
 
 
-@single_threaded
 def simulate(
     model: Model,
     shape: Equilibrium,
@@ -235,7 +239,21 @@ def simulate(
         When a step fails; ``error.partial`` is the run up to there.
     """
     forces = None if uplift_forces is None else tuple(uplift_forces)
-    simulation = Simulation(model, shape, Choices(integrator, stepping, forces, backend))
+    return carried_out(
+        Simulation(model, shape, Choices(integrator, stepping, forces, backend)), watch
+    )
+
+
+@single_threaded
+def carried_out(simulation: Simulation, watch: Callable[[Progress], bool] | None = None) -> Run:
+    """Carry out a passage that was begun: see :func:`simulate`.
+
+    Parameters
+    ----------
+    simulation
+    watch
+        Called after every block; returning True stops the run and keeps what was computed.
+    """
     recorder, status, last = simulation.recorder, Status.DONE, Status.RUNNING
     cpu, wall = clock.process_time(), clock.perf_counter()
     try:

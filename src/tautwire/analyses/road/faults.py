@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import ModelError
-from tautwire.line.labels import place
+from tautwire.line.labels import named_arms, place
 from tautwire.model.build import Model
 from tautwire.model.mesh import Strand
 from tautwire.numerics.elements import ancf
@@ -83,16 +83,19 @@ def _span(model: Model, strand: Strand, element: int) -> str:
 
 
 def _pushing_arms(model: Model, shape: Equilibrium) -> Iterator[str]:
-    """Name every steady arm in compression."""
+    """Name all steady arms in compression, in one sentence: they have one cause."""
     places = model.line.contact_supports
-    for row, force in zip(shape.arm_supports - 1, shape.arm_forces, strict=True):
-        if force < 0.0:
-            label, at = places[row]
-            yield (
-                f"the steady arm at {place(label, at.s)}, would have to push ({force:.1f} N): the "
-                "wind or another load takes the wire from it; give the contact wire more stagger "
-                "there (supports.contact_stagger), or look at less wind"
-            )
+    pushing = [
+        (place(label, at.s), f"would have to push ({force:.1f} N)")
+        for row, force in zip(shape.arm_supports - 1, shape.arm_forces, strict=True)
+        for label, at in [places[row]]
+        if force < 0.0
+    ]
+    if pushing:
+        yield (
+            f"{named_arms(pushing)}: the wind or another load takes the wire from it; give the "
+            "contact wire more stagger there (supports.contact_stagger), or look at less wind"
+        )
 
 
 def _crossing_wires(model: Model, shape: Equilibrium) -> Iterator[str]:

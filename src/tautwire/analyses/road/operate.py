@@ -23,6 +23,7 @@ from tautwire.model.operation.devices import (
     first_state,
     next_state,
 )
+from tautwire.model.operation.elastic import resisting
 from tautwire.model.operation.weather import in_weather, reweighed
 from tautwire.numerics.network.parts import BOTH_WAYS, Grounds
 from tautwire.numerics.network.system import System, internal_force, tie_axial_force
@@ -170,7 +171,10 @@ def _swing(model: Model, system: System, ends: list[WireEnd]) -> Swing:
     tangent[[end.node for end in ends]] = 0.0
     pieces = (*model.line.registrations, *model.line.suspensions)
     tangent[model.mesh.nodes(piece.at for piece in pieces if piece.is_fixed_along)] = 0.0
-    return Swing(tangent[system.stays.node], tangent[system.grounds.node])
+    tangent[resisting(model.line, model.mesh)] = 0.0
+    stays = tangent[system.stays.node]
+    stays[len(stays) - len(model.line.stays) :] = 0.0  # those of wires stand still
+    return Swing(stays, tangent[system.grounds.node])
 
 
 def _refuse_unsettled(condition: Condition, settled: Settled) -> None:
@@ -202,7 +206,8 @@ def _equilibrium(
 ) -> Equilibrium:
     """Read lengths, forces and positions from the line under a condition."""
     system = settled.system
-    ties, heights = system.ties, model.mesh.heights(system.position)
+    heights, count = model.mesh.heights(system.position), len(model.line.hangers)
+    ties = system.ties.chosen(np.arange(len(system.ties)) < count)
     nodes = model.mesh.nodes(at for _, at in model.line.contact_supports)
     before = at_rest(model, design, anchored_ends(model))
     shape = replace(
@@ -211,7 +216,7 @@ def _equilibrium(
         cable_lengths=system.cables.length,
         dropper_lengths_unstrained=ties.length,
         dropper_lengths=ties.state(system.position).length,
-        dropper_forces=tie_axial_force(system, system.position),
+        dropper_forces=tie_axial_force(system, system.position)[:count],
         dropper_heights=heights[ties.nodes[:, 1]],
         support_heights=heights[nodes],
         **_held(model, design, system),
@@ -263,8 +268,13 @@ def _arms(
         frames.to_local(q.reshape(-1, 6)[nodes, :3]) for q in (system.position, design.position)
     )
     axial = stays.axial_force(stays.state(system.position).length)
-    arms = np.flatnonzero(stays.law == BOTH_WAYS)
-    rows = {int(stays.node[row]): int(row) for row in arms}
+    of_arms = np.arange(len(stays)) < len(stays) - len(model.line.stays)
+    arms = np.flatnonzero(of_arms & (stays.law == BOTH_WAYS))
+    pulls = {int(stays.node[row]): (axial[row], stays.end[row]) for row in arms}
+    r, count, elastic = system.position.reshape(-1, 6)[:, :3], len(model.line.hangers), system.ties
+    forces = tie_axial_force(system, system.position)[count:]
+    for (heel, node), pull in zip(elastic.nodes[count:].tolist(), forces, strict=True):
+        pulls[node] = pull, r[heel]
     bare = system.with_(grounds=Grounds.none())
     missing = internal_force(bare, system.position).nodal - system.load
     lateral = frames.components(missing.reshape(-1, 6)[nodes, :3])[:, 1]
@@ -272,9 +282,9 @@ def _arms(
     force, end = np.zeros(len(nodes)), design.arm_ends - along
     end[:, 0] += wire[:, 0] - before[:, 0]
     for arm, node in enumerate(nodes.tolist()):
-        if node in rows:
-            force[arm] = axial[rows[node]]
-            end[arm] = frames[arm].to_local(stays.end[rows[node]])
+        if node in pulls:
+            force[arm], far = pulls[node]
+            end[arm] = frames[arm].to_local(far)
         elif is_held(system, node, frames.axes[arm, 1]):
             apart = end[arm] - wire[arm]
             force[arm] = lateral[arm] * np.hypot(apart[1], apart[2]) / apart[1]

@@ -87,7 +87,9 @@ class Recorder:
             self._crossings = [*(self._crossings or ()), *crossings]
         heights = self._support_heights(steps.observed)
         self._uplift.append((heights - self._shape.support_heights).astype(np.float32))
-        self._droppers.add(self._samples, steps.time, steps.dropper_force)
+        self._droppers.add(
+            self._samples, steps.time, steps.dropper_force[:, : len(self._shape.dropper_x)]
+        )
         self._samples += len(steps.time)
         self._frames.add(self.reached, coordinates)
 

@@ -12,7 +12,7 @@ from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.line.closures import Held
-from tautwire.line.labels import place
+from tautwire.line.labels import named_arms, place
 from tautwire.line.pieces import GivenHeight, GivenLength
 from tautwire.model.build import Model
 from tautwire.model.mesh import Mesh
@@ -90,6 +90,30 @@ def find_design(model: Model) -> Equilibrium:
     """
     form, iterations = solve_design(model)
     return _equilibrium(model, form, iterations)
+
+
+def find_cut(model: Model, lengths: Array) -> Equilibrium:
+    """Find the line as designed with droppers of other lengths.
+
+    Parameters
+    ----------
+    model
+        The line.
+    lengths : (n_dropper,) m
+        Unstrained; droppers that would have to push are slack.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        When Newton's iteration fails or the slack droppers do not settle.
+    """
+    design, spent = solve_design(model)
+    _, form, more = with_slack(with_lengths(model, design, lengths))
+    return _equilibrium(model, form, spent + more)
 
 
 def solve_design(model: Model) -> tuple[Form, int]:
@@ -241,7 +265,7 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     _refuse_bad_arms(model, held)
     return Equilibrium(
         track=line.track,
-        position=system.position,
+        position=_with_heels(mesh, system.position, held),
         cable_lengths=system.cables.length,
         **_wires(mesh),
         **_droppers(model, form),
@@ -256,9 +280,19 @@ def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     )
 
 
+def _with_heels(mesh: Mesh, position: Array, held: Held) -> Array:
+    """Return the coordinates with elastic far ends of arms where the arms end."""
+    rows = np.flatnonzero(mesh.heels >= 0)
+    if not len(rows):
+        return position
+    nodes, found = mesh.heels[rows], position.copy()
+    found.reshape(-1, 6)[nodes, :3] = mesh.frames[nodes].to_world(held.end[rows])
+    return found
+
+
 def _wires(mesh: Mesh) -> dict[str, Any]:
-    """Return which node belongs to which wire."""
-    wire = np.empty(mesh.node_count, dtype=np.int64)
+    """Return which node belongs to which wire; -1 for that of a support."""
+    wire = np.full(mesh.node_count, -1)
     for number, strand in enumerate(mesh.strands):
         wire[strand.nodes] = number
     return {
@@ -346,7 +380,7 @@ def _joint_pulls(model: Model, form: Form) -> Array:
 
 def _refuse_bad_arms(model: Model, held: Held) -> None:
     """Raise when a steady arm would push or has nothing to hold."""
-    faults = []
+    faults: list[tuple[str, str]] = []
     for i in np.flatnonzero(~np.isnan(held.force)):
         piece, force = model.line.registrations[i], float(held.force[i])
         lateral = abs(force * np.cos(held.angle[i]))
@@ -357,13 +391,13 @@ def _refuse_bad_arms(model: Model, held: Held) -> None:
             if force < 0.0
             else f"pulls sideways with only {lateral:.1f} N"
         )
-        faults.append(
-            f"the steady arm at {place(piece.label, piece.at.s)}, {what}; "
-            "give the contact wire more stagger there (supports.contact_stagger), put the arm's "
-            "far end on the other side, or use closure 'spring'"
-        )
+        faults.append((place(piece.label, piece.at.s), what))
     if faults:
-        raise ModelError("\n".join(faults))
+        raise ModelError(
+            f"{named_arms(faults)}; give the contact wire more stagger there "
+            "(supports.contact_stagger), put the arm's far end on the other side, or use closure "
+            "'spring'"
+        )
 
 
 def _weight(model: Model, form: Form) -> float:

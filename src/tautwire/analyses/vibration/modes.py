@@ -43,9 +43,9 @@ _EDGE = 1e-7
 """Relative distance from the outermost modes at which modes are counted: above the error of a
 computed frequency (some 1e-12), below the distance of two modes (2e-5 and more on ten
 spans at 45 Hz)."""
-NEAR, COUNT = 45.0, 20
-"""Where modes are sought [Hz], and how many: those of AC simple with a wavelength of half a dropper
-interval lie at 45 Hz; the number is chosen."""
+NEAR, COUNT = 0.0, 20
+"""Where modes are sought [Hz], and how many: the first ones of the line, whatever line it is; the
+number is chosen: a screen."""
 _CONCENTRATED = 0.05
 """Relative distance from a wavelength within which a mode's energy counts for it. Chosen: eight
 lines of the spectrum of 17 spans to either side at the dropper interval."""

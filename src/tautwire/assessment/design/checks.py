@@ -26,7 +26,7 @@ from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.elements import ancf
 from tautwire.plain import Plain
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.specs.case import Case
 from tautwire.text import DESIGN
@@ -372,7 +372,7 @@ def _elasticity(case: Case, states: Sequence[ConditionState]) -> Iterator[Design
         value, place = float(found.elasticity[at]), f"span {found.span[at]}"
     yield _row("elasticity", "elasticity, softest place", value, softest, place=place, unit="m/N",
                formula="L/(4 sum(T))")  # fmt: skip
-    free = case.requirements.uplift_space
+    free = case.uplift_space()
     if free is not None and found is not None:
         yield _uplift(case, found, free)
 
@@ -381,8 +381,9 @@ def _uplift(case: Case, found: Elasticity, free: float) -> DesignCheck:
     force = max(case.uplift_forces())
     supports = [row for row, kind in enumerate(found.kind) if kind == "support"]
     softest = max(supports, key=lambda row: found.elasticity[row])
+    has_stop = any(kind.stop is not None for kind in case.supports.kinds())
     return _row(
-        "uplift_share",
+        "uplift_share_with_stop" if has_stop else "uplift_share",
         "uplift at supports over the free space, at rest",
         float(found.elasticity[softest]) * force / free,
         math.nan,

@@ -20,14 +20,15 @@ from tautwire.analyses.vibration.modes import (
 )
 from tautwire.analyses.vibration.wavelengths import NAMED_WITHIN, LineLengths, line_lengths
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
-from tautwire.cli.views.tables import facts, files_written, heading, table
+from tautwire.cli.session import Answer
+from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
+from tautwire.inputs.project import with_project
 from tautwire.model.build import build
 from tautwire.report.pages.mode_page import write_modes_report
 from tautwire.results.equilibrium import Equilibrium
@@ -49,11 +50,13 @@ class ModesRequest:
     case : str
     overrides : sequence of str
     near : float or None
-        [Hz]
+        [Hz]; None for the first modes.
     count : int or None
     wavelength : str or None
         A length, or the name of one, such as ``DD/2``.
     out : Path or None
+    project : Path or None
+        File with the project block.
     """
 
     case: str
@@ -62,11 +65,12 @@ class ModesRequest:
     count: int | None
     wavelength: str | None
     out: Path | None
+    project: Path | None = None
 
 
 def find_modes(answer: Answer, request: ModesRequest) -> None:
     """Find modes of a case, show them, and write their files."""
-    case = load_case(request.case, request.overrides)
+    case = with_project(load_case(request.case, request.overrides), request.project)
     lengths = line_lengths(case)
     wavelength = _wavelength(request.wavelength, lengths)
     answer.say(program(case.settings.backend))
@@ -74,7 +78,8 @@ def find_modes(answer: Answer, request: ModesRequest) -> None:
         with Interrupts().handled():
             shape, found = _computed(answer, case, request, wavelength)
         answer.document.update(_document(case, lengths, found, wavelength))
-        answer.show(*_view(case, shape, lengths, found, wavelength))
+        is_first = wavelength is None and request.near is None
+        answer.show(*_view(case, shape, lengths, found, wavelength, is_first=is_first))
         if not found.is_complete and wavelength is None:
             answer.warn([_incomplete(found)])
         if folder is not None:
@@ -141,10 +146,18 @@ def _document(
 
 
 def _view(
-    case: Case, shape: Equilibrium, lengths: LineLengths, found: Modes, wavelength: float | None
+    case: Case,
+    shape: Equilibrium,
+    lengths: LineLengths,
+    found: Modes,
+    wavelength: float | None,
+    *,
+    is_first: bool,
 ) -> list[Any]:
-    """Return what the terminal shows."""
-    if wavelength is None:
+    """Return what the terminal shows; the first modes by rising frequency, others by their rank."""
+    if wavelength is None and is_first:
+        detail = f"the first {len(found.frequencies)} modes"
+    elif wavelength is None:
         detail = f"{len(found.frequencies)} modes, most vertical contact wire first"
     else:
         expected = free_wire_frequency(build(case), shape, wavelength)
@@ -156,7 +169,8 @@ def _view(
     if len(found.frequencies):
         heads = ("frequency\n[Hz]", "wavelength\n[m]", "", "contact\nvertical",
                  "contact\nlateral", "messenger\nvertical", "messenger\nlateral")  # fmt: skip
-        rows = [_row(found, i, lengths) for i in found.ranked().tolist()]
+        order = range(len(found.frequencies)) if is_first else found.ranked().tolist()
+        rows = [_row(found, i, lengths) for i in order]
         parts.append(table(heads, "rrlrrrr", rows))
     else:
         parts.append("no mode of the searched band is sensitive to this wavelength")
@@ -203,7 +217,4 @@ def _write(answer: Answer, folder: Path, case: Case, shape: Equilibrium, found: 
     files.write("modes.csv", lambda path: write_text(path, found.to_csv()))
     files.write("mode-shapes.csv", lambda path: write_text(path, found.shapes_csv()))
     files.write("modes.html", lambda path: write_modes_report(case, shape, found, path))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)

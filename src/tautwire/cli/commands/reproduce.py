@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.progress import PassageWatch
-from tautwire.cli.session import Answer, OutputError
-from tautwire.cli.views.tables import facts, files_written, heading, table
+from tautwire.cli.session import Answer
+from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.inputs.reading.files import did_you_mean
 from tautwire.reproductions import en50318_2002
@@ -43,10 +43,7 @@ def reproduce_study(answer: Answer, study: str, out: Path | None) -> None:
 def _write(answer: Answer, files: Files, record: Record) -> None:
     for name, write in writers(record).items():
         files.write(name, write)
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def _record_view(record: Record) -> list[Any]:

@@ -29,7 +29,7 @@ def report_runs(
 
     wanted = list(dict.fromkeys([out, out.with_suffix(PDF)] if pdf else [out]))
     for path in wanted:
-        _refuse_unwritable(path)
+        refuse_unwritable(path)
     if any(path.suffix.lower() == PDF for path in wanted):
         from tautwire.report.writers.pdf import require_pdf
 
@@ -82,7 +82,7 @@ def load_runs(paths: Sequence[Path]) -> list[Run]:
     return runs
 
 
-def _refuse_unwritable(path: Path) -> None:
+def refuse_unwritable(path: Path) -> None:
     """Refuse a file name before the work that it is for."""
     if path.is_dir():
         raise InputError(f"--out {path}: is a folder; give the name of a file")

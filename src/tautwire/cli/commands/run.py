@@ -12,9 +12,9 @@ from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.validity import judged
 from tautwire.assessment.checks import Criteria
-from tautwire.assessment.limits import known_system, load_limits
+from tautwire.assessment.limits import known_system, limits_of, load_limits
 from tautwire.cli.about import computation, program
-from tautwire.cli.folders import Files, default_folder, result_folder
+from tautwire.cli.folders import Files, default_folder, result_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
@@ -22,7 +22,6 @@ from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.views.documents import run_document
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
-from tautwire.cli.views.tables import files_written, heading
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
@@ -77,6 +76,8 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         require_pdf()
     announce_workbook(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
+    if request.criteria.limits is None:
+        limits_of(case)  # faults are told before the passage, not after it
     interrupts = Interrupts()
     folder = request.out or default_folder(case.name, request.overrides)
     with result_folder(folder, force=request.force) as files:
@@ -98,7 +99,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
                     _present(answer, run, request.criteria, [str(item) for item in advice])
                     _write(answer, files, run)
                     _write_reports(answer, files, run, elasticity, request)
-                    _list_files(answer, files)
+                    tell_files(answer, files)
     if run.status == "failed":
         answer.fail("computation", [run.message], FAILED)
     elif interrupts.requested is not None:
@@ -140,7 +141,7 @@ def criteria_of(system: str, free_uplift: str | None, file: Path | None = None) 
     system, free_uplift
         Supply system; free space for uplift with its unit, or None.
     file
-        Own limits; None for those of the package.
+        Own limits; None for those of the case, or of the package.
 
     Raises
     ------
@@ -193,7 +194,7 @@ def _write(answer: Answer, files: Files, run: Run) -> None:
     """Write the numbers of a run, the most important first."""
     text = to_json(answer.document) + "\n"
     files.write("results.json", lambda path: write_text(path, text))
-    files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, path))
+    files.write("droppers.csv", lambda path: write_dropper_table(run.equilibrium, run.case, path))
     for number, record in enumerate(run.pantographs, 1):
         name = "force.csv" if number == 1 else f"force-{number}.csv"
         files.write(name, lambda path, who=record.name: write_force_history(run, path, who))
@@ -211,10 +212,3 @@ def _write_reports(
     page = compose_report(run, elasticity, criteria=request.criteria)
     for kind in request.reports:
         files.write(f"report.{kind}", page.write)
-
-
-def _list_files(answer: Answer, files: Files) -> None:
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)

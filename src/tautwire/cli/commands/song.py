@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 from tautwire.cli.about import program
 from tautwire.cli.commands.study import MOST_WORKERS, StudyWatch
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
-from tautwire.cli.session import FAILED, Answer, OutputError
-from tautwire.cli.views.tables import files_written, heading, table
+from tautwire.cli.session import FAILED, Answer
+from tautwire.cli.views.tables import heading, table
 from tautwire.errors import InputError
 from tautwire.reproductions.song2021.pages import page_identification
 from tautwire.reproductions.song2021.pages.output import writers
@@ -122,7 +122,4 @@ def _view(record: SongRecord) -> list[Any]:
 def _write(answer: Answer, files: Files, wanted: Mapping[str, Callable[[Path], object]]) -> None:
     for name, write in wanted.items():
         files.write(name, write)
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)

@@ -14,18 +14,19 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from tautwire.cli.about import program
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import SECONDS_BETWEEN_LINES, duration
-from tautwire.cli.session import DONE, FAILED, Answer, OutputError
-from tautwire.cli.views.tables import facts, files_written, heading, table
+from tautwire.cli.session import DONE, FAILED, Answer
+from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.project import load_project
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report
-from tautwire.report.parts.words import number
+from tautwire.report.parts.words import with_error
 from tautwire.specs.project import Project
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
@@ -61,6 +62,10 @@ class StudyRequest:
         Their folder.
     options : Options
     out : Path or None
+    error : str or None
+        Kind of numerical error of every figure, in place of ``settings.error`` of the cases.
+    project : Path or None
+        File with the project block.
     """
 
     study: Path
@@ -69,11 +74,17 @@ class StudyRequest:
     certificates: Path | None
     options: Options
     out: Path | None
+    error: str | None = None
+    project: Path | None = None
 
 
 def run_study_file(answer: Answer, request: StudyRequest) -> None:
     """Run a study, show its outcome and write its files, also when it was stopped."""
-    plan = plan_study(load_study(request.study))
+    study = load_study(request.study)
+    if request.error is not None:
+        study = study.with_(overrides={**study.overrides, "settings.error": request.error})
+    plan = plan_study(study)
+    project = plan.project if request.project is None else load_project(request.project)
     interrupts, begin = Interrupts(), time.perf_counter()
     wanted = request.out or _default_folder(plan)
     with prepared_folder(wanted) as folder, interrupts.handled():
@@ -93,7 +104,7 @@ def run_study_file(answer: Answer, request: StudyRequest) -> None:
             else:
                 answer.show(*_view(found, watch.last, elapsed))
                 answer.warn(found.mixture().splitlines())
-                _write_files(answer, Files(folder), found, executor, plan.project)
+                _write_files(answer, Files(folder), found, executor, project)
             _refuse_failures(answer, found, watch.last)
     if interrupts.requested is not None:
         answer.exit_code = interrupts.exit_code
@@ -161,10 +172,11 @@ def _leave_to_others(
     counts = found.counts()
     there = found.status.size - counts["missing"]
     answer.document["files"] = {}
+    kind = "" if request.error is None else f" --error {request.error}"
     answer.show(
         f"part {request.options.shard}: {there} of {found.status.size} cases of the study are "
         "finished; when all parts have ended, put the table together with:\n"
-        f"tautwire study {request.study} --out {folder} --resume"
+        f"tautwire study {request.study} --out {folder}{kind} --resume"
     )
 
 
@@ -184,12 +196,7 @@ def _write_files(
     files.write("study.json", lambda path: write_text(path, text))
     facts_of_page = {"Computed by": executor.description}
     files.write("study.html", lambda path: write_study_report(found, path, facts_of_page, project))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), files_written(files.written))
-    if files.problems and answer.exit_code != DONE:
-        answer.warn(files.problems)
-    elif files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def _refuse_failures(answer: Answer, found: StudyTable, last: StudyProgress | None) -> None:
@@ -289,13 +296,17 @@ def _forces(found: StudyTable, index: tuple[int, ...], bands: Sequence[str]) -> 
     at, leading = found.labels["band"].index, (*index, 0, 0)
     deviations = [
         marked(
-            number(float(found["std"].values[(*leading, at(band))])),
+            with_error(
+                float(found["std"].values[(*leading, at(band))]),
+                found.error("std", (*leading, at(band))),
+            ),
             is_carried=found.carries(index, f"std_{band}"),
         )
         for band in bands
     ]
     mean, high, low = (
-        number(float(found[n].values[leading])) for n in ("mean", "maximum", "minimum")
+        with_error(float(found[n].values[leading]), found.error(n, leading))
+        for n in ("mean", "maximum", "minimum")
     )
     return [mean, *deviations, high, low]
 

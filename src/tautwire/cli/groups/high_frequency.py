@@ -10,8 +10,10 @@ import typer
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
+    ErrorOption,
     JsonOption,
     OutFolderOption,
+    ProjectOption,
     SetOption,
     with_condition,
 )
@@ -36,7 +38,10 @@ def modes(
     near: Annotated[
         float | None,
         typer.Option(
-            "--near", metavar="HZ", help="Target frequency; 45 Hz by default.", show_default=False
+            "--near",
+            metavar="HZ",
+            help="Target frequency; the first modes by default.",
+            show_default=False,
         ),
     ] = None,
     count: Annotated[
@@ -56,14 +61,18 @@ def modes(
     overrides: SetOption = None,
     condition: ConditionOption = None,
     out: OutFolderOption = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find modes of vibration, ranked by the vertical motion of the contact wire."""
+    """Find modes of vibration: the first ones, or those near a frequency or of a wavelength.
+
+    Modes near a frequency are ranked by how much of them is vertical motion of the contact wire.
+    """
     with answering(as_json) as answer:
         from tautwire.cli.commands.modes import ModesRequest, find_modes
 
         changes = with_condition(overrides, condition)
-        request = ModesRequest(case, changes, near, count, wavelength, out)
+        request = ModesRequest(case, changes, near, count, wavelength, out, project)
         find_modes(answer, request)
 
 
@@ -74,8 +83,7 @@ def study(
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers",
-            metavar="N",
+            "--workers", metavar="N",
             help="Worker processes on this machine; one per core by default.",
             show_default=False,
         ),
@@ -83,8 +91,7 @@ def study(
     cluster: Annotated[
         str | None,
         typer.Option(
-            "--cluster",
-            metavar="ADDRESS",
+            "--cluster", metavar="ADDRESS",
             help='Compute on a Dask cluster, as in "tls://host:8786". On tcp:// whoever reaches '
             "the scheduler can run code on it.",
             show_default=False,
@@ -93,8 +100,7 @@ def study(
     tls: Annotated[
         Path | None,
         typer.Option(
-            "--tls",
-            metavar="DIR",
+            "--tls", metavar="DIR",
             help="Certificates for tls://: ca.pem, cert.pem, key.pem.",
             show_default=False,
         ),
@@ -102,8 +108,7 @@ def study(
     shard: Annotated[
         str | None,
         typer.Option(
-            "--shard",
-            metavar="I/N",
+            "--shard", metavar="I/N",
             help="Compute part I of N only, for job arrays; all parts share one folder.",
             show_default=False,
         ),
@@ -114,7 +119,9 @@ def study(
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="With --resume: compute failed cases again.")
     ] = False,
+    error: ErrorOption = None,
     out: OutFolderOption = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Compute a study: a base case with values that vary; one table and one report.
@@ -128,7 +135,8 @@ def study(
 
         part = WHOLE if shard is None else Shard.parse(shard)
         options = Options(resume or retry_failed, retry_failed, shard=part)
-        run_study_file(answer, StudyRequest(study_file, workers, cluster, tls, options, out))
+        request = StudyRequest(study_file, workers, cluster, tls, options, out, error, project)
+        run_study_file(answer, request)
 
 
 def advise(

@@ -7,7 +7,13 @@ from typing import Annotated
 
 import typer
 
-from tautwire.cli.options import CaseArgument, JsonOption, LimitsOption, SetOption
+from tautwire.cli.options import (
+    CaseArgument,
+    JsonOption,
+    LimitsOption,
+    ProjectOption,
+    SetOption,
+)
 from tautwire.cli.session import answering
 
 
@@ -92,7 +98,7 @@ def measured(
     the next file with these columns.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.measured import RecordingRequest, show_recording
+        from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
             file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
@@ -144,6 +150,7 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    project: ProjectOption = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Compare runs with recordings, after EN 50318 and IEC 63453.
@@ -151,15 +158,13 @@ def compare(
     One run is compared with every recording, one recording with every run, or both in pairs.
     """
     with answering(as_json) as answer:
-        from tautwire.cli.commands.compare import ComparisonRequest, compare_runs
-        from tautwire.cli.commands.measured import RecordingRequest
+        from tautwire.cli.commands.measuring.compare import ComparisonRequest, compare_runs
+        from tautwire.cli.commands.measuring.measured import RecordingRequest
 
-        reading = RecordingRequest(
-            Path(), mapping, speed, tuple(strip_mass or ()), filtered
-        )  # the path is that of each recording
-        request = ComparisonRequest(
-            tuple(files), reading, tuple(pantograph or ()), offset, search, limits
-        )
+        masses = tuple(strip_mass or ())  # the path is that of each recording
+        reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
+        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
 
@@ -208,7 +213,7 @@ def as_built(
 ) -> None:  # fmt: skip
     """Estimate the line as built from a survey: dropper lengths, heights, droppers misplaced."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.as_built import SurveyRequest, show_as_built
+        from tautwire.cli.commands.measuring.as_built import SurveyRequest, show_as_built
 
         request = SurveyRequest(case, survey, set_ or [], accuracy, scatter, support_scatter)
         show_as_built(answer, request, out)
@@ -228,6 +233,13 @@ def rank(
             show_default=False,
         ),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="N", help="Processes; one per core by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -241,6 +253,6 @@ def rank(
 ) -> None:  # fmt: skip
     """Rank corrections of a line as built by what they do to the contact force."""
     with answering(as_json) as answer:
-        from tautwire.cli.commands.rank import RankRequest, show_ranking
+        from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
-        show_ranking(answer, RankRequest(case, built, set_ or [], least), out)
+        show_ranking(answer, RankRequest(case, built, set_ or [], least, workers), out)

@@ -7,7 +7,7 @@ from typing import Any
 
 from tautwire.cli.views.tables import batched, facts, heading, table
 from tautwire.report.parts.condition_words import condition_rows, end_rows
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.specs.case import Case
 
 MOST_COLUMNS = 3

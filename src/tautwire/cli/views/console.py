@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rich.console import Console, ConsoleOptions, RenderableType
+from rich.measure import Measurement
 from rich.segment import Segment
 
 from tautwire.text import printable
+
+WIDEST = 1000
+"""Characters that a line may take at most; more than any table needs."""
 
 
 class PlainConsole(Console):
@@ -26,3 +30,13 @@ class PlainConsole(Console):
                 yield segment
             else:
                 yield Segment(printable(segment.text), segment.style)
+
+    def print_whole(self, part: RenderableType) -> None:
+        """Print a part with lines longer than the terminal's rather than with cut numbers."""
+        usual = self.width
+        free = self.options.update(max_width=WIDEST)
+        self.width = max(usual, Measurement.get(self, free, part).minimum)
+        try:
+            self.print(part)
+        finally:
+            self.width = usual

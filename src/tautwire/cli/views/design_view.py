@@ -21,28 +21,31 @@ from tautwire.report.parts.design.mast_words import (
     installation_rows,
     tension_rows,
 )
+from tautwire.specs.line.catenary import Line
 
 MOST_COLUMNS = 5
 """Temperatures beside each other on a terminal of 80 columns."""
 
 
-def masts_view(masts: Masts, contact: tuple[str, ...]) -> Iterator[Any]:
+def masts_view(masts: Masts, line: Line, contact: tuple[str, ...]) -> Iterator[Any]:
     """Yield the tables of supports.
 
     Parameters
     ----------
     masts
+    line
+        Names its supports.
     contact
         Names of the contact wires, whose cantilevers are told.
     """
     states = len(masts.states)
     extent = f"least to largest of {states} states" if states > 1 else "all wires together"
     yield heading("Forces on supports", f"{extent}; lateral: to the left")
-    yield table(FORCE_HEAD, "rrrrr", force_rows(masts))
+    yield table(FORCE_HEAD, "rrrrr", force_rows(masts, line))
     for first in range(0, len(masts.temperatures), MOST_COLUMNS):
         chosen = slice(first, first + MOST_COLUMNS)
         yield heading("Installation", "mm from the design; weights upwards")
-        rows = installation_rows(masts, chosen, contact)
+        rows = installation_rows(masts, line, chosen, contact)
         yield table(installation_head(masts, chosen), "rL" + "r" * len(rows[0][2:]), rows)
     if states > 1:
         yield heading("Tension along the line", "means of the outermost spans, and the least span")

@@ -12,6 +12,8 @@ import numpy as np
 
 from tautwire.assessment.checks import Check
 from tautwire.numerics.newmark import HHT, Newmark
+from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_state, stays_of
+from tautwire.results.accuracy import Accuracy, rounded
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.run import Run
 from tautwire.results.statistics import RunStatistics
@@ -29,6 +31,15 @@ COST = (
     "real_time_factor",
     "tuning_passes",
 )
+
+_FORCES = {
+    "mean_n": "mean",
+    "max_n": "maximum",
+    "min_n": "minimum",
+    "statistical_max_n": "statistical_maximum",
+    "statistical_min_n": "statistical_minimum",
+}
+"""Statistics that have an error bar, by their key."""
 
 
 def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, Any]:
@@ -118,6 +129,25 @@ def shape_part(case: Case, shape: Equilibrium) -> dict[str, Any]:
         "iterations": shape.iterations,
         "residual_n": shape.residual,
         "weight_n": shape.weight,
+        "bodies": [
+            {
+                "name": body.name,
+                "wire": body.run,
+                "start_m": body.start,
+                "end_m": body.end,
+                "heights_m": list(body_heights(shape, body)),
+            }
+            for body in bodies_of(case)
+        ],
+        "stays": [
+            {
+                "name": stay.name,
+                "wire": stay.at.run,
+                "x_m": stay.at.s,
+                "force_n": stay_state(shape, stay)[1],
+            }
+            for stay in stays_of(case)
+        ],
         "reaction_n": shape.reaction,
         "dropper_positions_m": by_span(shape.dropper_x),
         "dropper_lengths_unstrained_m": by_span(shape.dropper_lengths_unstrained),
@@ -153,6 +183,24 @@ def elasticity_part(elasticity: Elasticity) -> dict[str, Any]:
     }
 
 
+def _leave_out_worthless_digits(
+    numbers: dict[str, Any], statistics: RunStatistics, accuracy: Accuracy
+) -> None:
+    """Round the statistics that have an error bar, in place."""
+    for told, entry in zip(numbers["pantographs"], statistics.pantographs, strict=True):
+        _round(told["contact_loss"], "percent", accuracy.of(entry.name, "loss"))
+        for kind, part in entry.filtered.items():
+            names = _FORCES | {f"std_{band}_n": band for band in part.standard_deviations}
+            for key, name in names.items():
+                _round(told[kind], key, accuracy.of(entry.name, kind, name))
+    _round(numbers["uplift"], "max_mm", 1e3 * accuracy.of("uplift"))
+
+
+def _round(numbers: dict[str, Any], key: str, error: float) -> None:
+    if numbers[key] is not None:
+        numbers[key] = rounded(numbers[key], error)
+
+
 def run_document(
     run: Run,
     statistics: RunStatistics,
@@ -169,6 +217,8 @@ def run_document(
     warnings : sequence of str
     """
     case, numbers = run.case, statistics.as_dict()
+    if run.accuracy is not None:
+        _leave_out_worthless_digits(numbers, statistics, run.accuracy)
     backend = str(run.counters.get("backend", case.settings.backend))
     return {
         "case": case.name,

@@ -6,8 +6,8 @@ from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile
-from tautwire.inputs.workbook import Workbook, case_of, is_workbook, open_workbook
+from tautwire.inputs.book.workbook import Workbook, case_of, is_workbook, open_workbook
+from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.channels import Channel
 from tautwire.tables.mapping import Use
 
@@ -28,7 +28,7 @@ def announce_workbook(answer: Answer, reference: str) -> None:
         rows = [(use.heading, _meaning(use, use.unit)) for use in one.uses]
         rows += [(name, "kept aside") for name in one.aside]
         answer.show(heading(f"{one.sheet.name}", f"read as {one.kind}"), facts(rows))
-    for note in tables.notes:
+    for note in (*workbook.notes, *tables.notes):
         answer.say(note)
     if workbook.unread:
         answer.say(f"sheets that are no tables of a line: {', '.join(workbook.unread)}")
@@ -45,14 +45,15 @@ def _keep(answer: Answer, workbook: Workbook) -> None:
 
 def announce_recording(answer: Answer, opened: RecordingFile) -> None:
     """Show how the columns of a recording are read, and keep the mapping where it was proposed."""
+    channels = [*opened.channels, *(one for rate in opened.others for one in rate.channels)]
     answer.document["mapping"] = {
         one.use.heading: {
             "field": one.use.field.name, "unit": unit_of(one), "strip": one.use.strip,
             "sensor": one.use.sensor,
         }
-        for one in opened.channels
+        for one in channels
     }  # fmt: skip
-    rows = [(one.use.heading, _meaning(one.use, unit_of(one))) for one in opened.channels]
+    rows = [(one.use.heading, _meaning(one.use, unit_of(one))) for one in channels]
     rows += [(name, "kept aside") for name in opened.mapping.aside]
     answer.show(heading("Columns"), facts(rows))
     if not opened.is_proposed:

@@ -86,7 +86,14 @@ def error_facts(run: Run) -> list[tuple[str, str]]:
     found = run.accuracy
     if found is None:
         return []
-    return [("± is", f"the numerical error, {found.kind}: {found.told}, {duration(found.cpu_s)}")]
+    facts = [("± is", f"the numerical error, {found.kind}: {found.told}, {duration(found.cpu_s)}")]
+    errors = {record.name: found.of(record.name, "history") for record in run.pantographs}
+    told = ", ".join(
+        f"{quantity(error, 'N', 2)} rms ({name})"
+        for name, error in errors.items()
+        if math.isfinite(error)
+    )
+    return [*facts, ("error of F(t)", f"{told}, unfiltered, from the time step")] if told else facts
 
 
 def _columns(statistics: RunStatistics) -> list[tuple[str, PantographStatistics, str]]:
@@ -173,18 +180,18 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
     for check in checks:
         name = f"{check.name}, {check.pantograph}" if many and check.pantograph else check.name
         sign = "≤" if check.sense == "maximum" else "≥"
-        remembered = {True: "within", False: "outside", None: MISSING}[check.within]
+        found = {True: "within", False: "not within", None: MISSING}[check.within]
         rows.append(
             (
                 name,
                 marked(readable(check.value, check.unit), is_carried=check.is_carried),
                 f"{sign} {readable(check.limit, check.unit)}",
                 check.standard,
-                remembered,
+                found,
                 check.verdict,
             )
         )
-    heads = ("", "value", "limit", "standard", "as known", "verdict")
+    heads = ("", "value", "limit", "standard", "value is", "verdict")
     return table(heads, "Lrrlll", rows)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from tautwire.cli.views.conditions_view import condition_facts
 from tautwire.cli.views.tables import facts, heading, table
+from tautwire.report.parts.fitting_words import BODY_HEAD, STAY_HEAD, body_rows, stay_rows
 from tautwire.report.parts.words import number, quantity
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.specs.case import Case
@@ -27,7 +28,18 @@ def static_view(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -
         _span_table(shape, elasticity, span),
         heading("Line", "support: at the beginning of the span"),
         _line_table(case, shape),
+        *_fittings(case, shape),
     ]
+
+
+def _fittings(case: Case, shape: Equilibrium) -> list[Any]:
+    """Return the bodies and stays on wires, if there are any."""
+    found: list[Any] = []
+    if rows := body_rows(case, shape):
+        found += [heading("Bodies", "at rest"), table(BODY_HEAD, "llrrrrr", rows)]
+    if rows := stay_rows(case, shape):
+        found += [heading("Stays", "at rest; a pull is positive"), table(STAY_HEAD, "llrrr", rows)]
+    return found
 
 
 def _facts(case: Case, shape: Equilibrium, elasticity: Elasticity | None) -> Any:

@@ -7,6 +7,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from rich import box
+from rich.cells import cell_len
 from rich.table import Table
 from rich.text import Text
 
@@ -48,16 +49,18 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
         A word with a meaning of its own (``inside``, ``unverified`` ...) is coloured.
     """
     result = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(heads))
-    for head, letter in zip(heads, align, strict=True):
+    cells = [tuple(row) for row in rows]
+    for number, (head, letter) in enumerate(zip(heads, align, strict=True)):
+        lines = [*head.splitlines(), *(row[number] for row in cells)]
         result.add_column(
             head,
             justify="right" if letter == "r" else "left",
             no_wrap=letter in "lr",
             overflow="fold",
-            min_width=NARROWEST if letter == "L" else None,
+            min_width=NARROWEST if letter == "L" else max(map(cell_len, lines), default=0),
             header_style="dim",
         )
-    for row in rows:
+    for row in cells:
         result.add_row(*(Text(cell, style=STYLES.get(cell, "")) for cell in row))
     return result
 
@@ -91,7 +94,11 @@ _PURPOSE = {
     "static.nc": "static state",
     "results.json": "results",
     "static.json": "results",
+    "static.html": "page of the static line",
+    "static.pdf": "the page to print",
     "droppers.csv": "dropper table",
+    "line.xlsx": "the case as a workbook",
+    "workshop.xlsx": "workshop sheet",
     "elasticity.csv": "elasticity",
     "supports.csv": "forces on supports",
     "tensions.csv": "tension along the line",

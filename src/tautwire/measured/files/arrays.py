@@ -41,6 +41,8 @@ class ArraySource:
     channels
     """
 
+    is_one_record = True
+
     def __init__(self, path: Path, channels: Iterator[Channel]) -> None:
         by_length: dict[int, list[Channel]] = {}
         for channel in channels:

@@ -51,6 +51,8 @@ class BookSource:
     path
     """
 
+    is_one_record = False
+
     def __init__(self, path: Path) -> None:
         every = workbook_sheets(path, path.read_bytes(), MOST_BOOK_ROWS)
         self.sheets: list[Sheet] = [sheet for sheet in every if len(sheet.rows) > 1]

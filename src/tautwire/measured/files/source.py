@@ -42,6 +42,11 @@ class Source(Protocol):
     """An open file of a recorder."""
 
     @property
+    def is_one_record(self) -> bool:
+        """Whether its tables are channels of one record, sampled at different rates."""
+        ...
+
+    @property
     def sheets(self) -> Sequence[Sheet]:
         """The first rows of every table of the file."""
         ...

@@ -32,6 +32,8 @@ class TextSource:
     path
     """
 
+    is_one_record = False
+
     def __init__(self, path: Path) -> None:
         self.path = path
         with self._opened() as file:

@@ -30,7 +30,7 @@ def without_broken(model: Model, system: System, defects: Placed) -> System:
         for row, hanger in enumerate(line.hangers)
     ]
     ties, cables = system.ties, system.cables
-    idle = np.array(idle, dtype=bool)
+    idle = np.array(idle + [False] * (len(ties) - len(idle)), dtype=bool)
     ties = ties.with_(
         stiffness=np.where(idle, 0.0, ties.stiffness), axial=np.where(idle, np.nan, ties.axial)
     )
@@ -90,6 +90,9 @@ def _displaced(model: Model, system: System, defects: Placed) -> System:
         nodes = mesh.nodes(piece.at for piece in pieces if piece.label.number == number)
         axes = mesh.frames.axes[nodes]
         shift[nodes] += lateral * axes[:, 1] + vertical * axes[:, 2]
+    for heel, piece in zip(mesh.heels, line.registrations, strict=True):
+        if piece.heel is not None:
+            shift[heel] = shift[mesh.node(piece.at)]
     position = system.position.copy().reshape(-1, 6)
     position[:, :3] += shift
     stays, grounds = system.stays, system.grounds

@@ -1,7 +1,8 @@
 """Temperature, ice, wind and wear on the arrays of a line.
 
 Lengths are those of the unstrained wires, ``L0 (1 + alpha dT)``; what is told per length of wire
-counts its stretched length in the design.
+counts its stretched length in the design. A body in the line of a wire grows with the temperature
+and meets ice and wind as the wire does, but does not wear.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.formulas.wear import bending_left, height_left
+from tautwire.line.fittings import sections
 from tautwire.line.pieces import Hanger, Run
 from tautwire.model.build import Model
 from tautwire.numerics.elements import ancf
@@ -77,9 +79,12 @@ def _wires(model: Model, system: System, condition: Condition) -> tuple[Cables, 
     cables = system.cables
     rows = np.array([_wire_numbers(strand.run, condition) for strand in model.mesh.strands])
     of_cable = np.empty(len(cables), dtype=np.int64)
+    is_body = np.empty(len(cables), dtype=bool)
     for number, strand in enumerate(model.mesh.strands):
         of_cable[strand.cables] = number
+        is_body[strand.cables] = sections(model.line, strand.run, strand.s).is_body
     growth, left, bending, ice, wind = rows[of_cable].T
+    left, bending = (np.where(is_body, 1.0, share) for share in (left, bending))
     r = system.position.reshape(-1, 6)[:, :3]
     ends = r[cables.nodes]
     stretch = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / cables.length
@@ -124,6 +129,7 @@ def _droppers(
         (1.0, 0.0, 0.0) if row in missing else _dropper_numbers(hanger, condition)
         for row, hanger in enumerate(line.hangers)
     ]
+    numbers += [(1.0, 0.0, 0.0)] * (len(ties) - len(numbers))  # arms on elastic heels
     growth, ice, wind = np.array(numbers).reshape(-1, 3).T
     length = ties.state(system.position).length
     changed = ties.of_length(ties.length * growth)

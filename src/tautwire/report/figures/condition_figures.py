@@ -3,33 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.results.equilibrium import Equilibrium
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 Curve = Callable[[ConditionState], tuple[Array, Array]]
 
 
-def lateral_figure(states: Sequence[ConditionState]) -> go.Figure:
+def lateral_figure(states: Sequence[ConditionState]) -> Drawing:
     """Draw the lateral position of the first contact wire, to the left positive."""
     return _over_line(states, _wire(1, 1e3), "lateral position [mm]", "%{y:.0f} mm")
 
 
-def height_figure(states: Sequence[ConditionState]) -> go.Figure:
+def height_figure(states: Sequence[ConditionState]) -> Drawing:
     """Draw the height of the first contact wire."""
     return _over_line(states, _wire(2, 1.0), "height [m]", "%{y:.4f} m")
 
 
-def dropper_figure(states: Sequence[ConditionState]) -> go.Figure:
+def dropper_figure(states: Sequence[ConditionState]) -> Drawing:
     """Draw the forces of the droppers."""
 
     def forces(state: ConditionState) -> tuple[Array, Array]:
@@ -39,7 +37,7 @@ def dropper_figure(states: Sequence[ConditionState]) -> go.Figure:
     return _over_line(states, forces, "dropper force [N]", "%{y:.1f} N", mode="markers")
 
 
-def elasticity_figure(states: Sequence[ConditionState]) -> go.Figure:
+def elasticity_figure(states: Sequence[ConditionState]) -> Drawing:
     """Draw the elasticity, where it was computed."""
 
     def values(state: ConditionState) -> tuple[Array, Array]:
@@ -65,11 +63,9 @@ def _wire(axis: int, scale: float) -> Curve:
 
 def _over_line(
     states: Sequence[ConditionState], curve: Curve, title: str, hover: str, mode: str = "lines"
-) -> go.Figure:
+) -> Drawing:
     """Draw one curve per state over the line."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=64))
+    figure = Drawing(style.layout(360, top=64))
     for number, state in enumerate(states):
         look = style.look(number)
         x, y = curve(state)
@@ -87,11 +83,9 @@ def _over_line(
     return style.fit_legend(figure)
 
 
-def travel_figure(states: Sequence[ConditionState]) -> go.Figure:
+def travel_figure(states: Sequence[ConditionState]) -> Drawing:
     """Draw how far the ends of wires travel over the temperature of the conditions."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(340, top=64))
+    figure = Drawing(style.layout(340, top=64))
     points: dict[str, list[tuple[float, float]]] = {}
     for state in states:
         operated = _shape(state).operated

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tautwire.analyses.design.masts import Masts
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.assessment.span_table import SpanRow
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 STRAIGHT_AT = 2.0
 """Where straight track stands on an axis of radii, in units of the widest curve."""
 
 
-def tension_figure(masts: Masts) -> go.Figure:
+def tension_figure(masts: Masts) -> Drawing:
     """Draw the tension of the wires along the line, one curve per wire and state."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=64))
+    figure = Drawing(style.layout(360, top=64))
     for number, state in enumerate(masts.states):
         look = style.look(number)
         for row, one in enumerate(state.tensions):
@@ -42,11 +37,9 @@ def tension_figure(masts: Masts) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def offset_figure(masts: Masts) -> go.Figure:
+def offset_figure(masts: Masts) -> Drawing:
     """Draw how far cantilevers stand from their place in the design, one curve per condition."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(340, top=64))
+    figure = Drawing(style.layout(340, top=64))
     rows = [one for one in masts.installation if one.what == "cantilever"]
     names = zip(masts.conditions, masts.temperatures, strict=True)
     for number, (name, degrees) in enumerate(names):
@@ -66,11 +59,9 @@ def offset_figure(masts: Masts) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def blown_figure(check: LateralCheck) -> go.Figure:
+def blown_figure(check: LateralCheck) -> Drawing:
     """Draw where the contact wires stand under wind from either side, to the left positive."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=64))
+    figure = Drawing(style.layout(360, top=64))
     sweep, given = check.sweep, check.places[0].given if check.places else 0.0
     for row, sign in enumerate((1.0, -1.0)):
         curves = (
@@ -101,11 +92,9 @@ def blown_figure(check: LateralCheck) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def span_figure(rows: Sequence[SpanRow], winds: Sequence[float]) -> go.Figure:
+def span_figure(rows: Sequence[SpanRow], winds: Sequence[float]) -> Drawing:
     """Draw the longest span over the radius, one curve per wind; straight track as widest."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=64))
+    figure = Drawing(style.layout(360, top=64))
     radii = [row.curve.radius_or_infinity for row in rows]
     widest = max((r for r in radii if np.isfinite(r)), default=1000.0)
     x = [r if np.isfinite(r) else STRAIGHT_AT * widest for r in radii]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.line.expand import expand
 from tautwire.line.measures import recurring
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.figures.packing import share, thinned
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
@@ -18,13 +19,10 @@ from tautwire.results.statistics import FilteredStatistics
 from tautwire.signals.bands import WIDEST
 from tautwire.signals.spectra import PassingLine, Spectrum, amplitude_spectrum, passing_lines
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
 Array = NDArray[np.float64]
 
 
-def force_figure(views: Sequence[RunView]) -> go.Figure:
+def force_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the contact force over position: unfiltered, up to 200 Hz and up to 20 Hz.
 
     With several contact wires, what each of them carries of the latter, so that it is seen where
@@ -32,11 +30,9 @@ def force_figure(views: Sequence[RunView]) -> go.Figure:
     ticks at the lower edge, the analysed section is shaded, losses of contact are marked on the
     zero line.
     """
-    import plotly.graph_objects as go
-
     first, shown = views[0], series(views)
     single = len(shown) == 1
-    figure = go.Figure(layout=style.layout(480, top=76))
+    figure = Drawing(style.layout(480, top=76))
     curves = sum(3 + len(item.force.shares) for item in shown)
     for item in shown:
         if not item.force.is_empty:
@@ -59,7 +55,7 @@ def _opening(view: RunView) -> list[float]:
     return [start - margin, end + margin]
 
 
-def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bool) -> None:
+def _add_force_curves(figure: Drawing, item: Series, limit: int, *, single: bool) -> None:
     """Add the three curves of one pantograph.
 
     Of several series only the filtered curves show at first; one entry of the legend switches
@@ -100,7 +96,7 @@ def _add_force_curves(figure: go.Figure, item: Series, limit: int, *, single: bo
         )
 
 
-def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **more: Any) -> None:
+def _add_curve(figure: Drawing, position: Array, force: Array, limit: int, **more: Any) -> None:
     kept = thinned(force, limit)
     figure.add_scatter(
         x=position[kept].astype(np.float32),
@@ -111,7 +107,7 @@ def _add_curve(figure: go.Figure, position: Array, force: Array, limit: int, **m
     )
 
 
-def _add_losses(figure: go.Figure, shown: Sequence[Series]) -> None:
+def _add_losses(figure: Drawing, shown: Sequence[Series]) -> None:
     """Mark the losses of contact of all series on the zero line."""
     found = [
         (event, item.named(""))
@@ -133,7 +129,7 @@ def _add_losses(figure: go.Figure, shown: Sequence[Series]) -> None:
     )
 
 
-def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) -> None:
+def add_line_marks(figure: Drawing, run: Run, section: tuple[float, float]) -> None:
     """Mark supports (upper axis), droppers (lower edge) and the analysed section."""
     shape = run.equilibrium
     labels = [
@@ -156,7 +152,7 @@ def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) ->
         x=ends, y=[None, None], xaxis="x9", showlegend=False, hoverinfo="skip", mode="lines"
     )
     figure.add_vrect(
-        x0=section[0], x1=section[1], fillcolor=style.SECTION, line_width=0, layer="below"
+        x0=section[0], x1=section[1], fillcolor=style.SECTION, line={"width": 0}, layer="below"
     )
     figure.update_layout(
         xaxis9=style.support_axis(shape.mast_x.tolist(), run.case.line.support_marks()),
@@ -164,15 +160,13 @@ def add_line_marks(figure: go.Figure, run: Run, section: tuple[float, float]) ->
     )
 
 
-def spectrum_figure(views: Sequence[RunView]) -> go.Figure:
+def spectrum_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the amplitude spectrum of the unfiltered force over the analysed section.
 
     The frequencies at which spans and dropper intervals are passed are marked.
     """
-    import plotly.graph_objects as go
-
     shown = series(views)
-    figure, peaks = go.Figure(layout=style.layout(430, top=76)), []
+    figure, peaks = Drawing(style.layout(430, top=76)), []
     for item in shown:
         spectrum = section_spectrum(item)
         if spectrum is None:
@@ -231,7 +225,7 @@ def passings(view: RunView) -> tuple[PassingLine, ...]:
     return (*spans_only, *passing_lines(lengths, speed, WIDEST, orders=2))
 
 
-def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
+def _add_passing_lines(figure: Drawing, lines: Sequence[PassingLine]) -> None:
     heights = {"span": 0.99, "droppers": 0.99, "support to dropper": 0.92}
     for line in lines:
         name = line.name if line.order == 1 else f"{line.name} / {line.order}"
@@ -249,7 +243,7 @@ def _add_passing_lines(figure: go.Figure, lines: Sequence[PassingLine]) -> None:
         )
 
 
-def _add_wavelength_axis(figure: go.Figure, speed: float, span: float) -> None:
+def _add_wavelength_axis(figure: Drawing, speed: float, span: float) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
     lengths = style.wavelengths(span)
     figure.add_scatter(
@@ -273,12 +267,10 @@ def _add_wavelength_axis(figure: go.Figure, speed: float, span: float) -> None:
     )
 
 
-def histogram_figure(views: Sequence[RunView]) -> go.Figure:
+def histogram_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the distribution of the low-passed force beside the normal one of equal mean and σ."""
-    import plotly.graph_objects as go
-
     shown = series(views)
-    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest", barmode="group"))
+    figure = Drawing(style.layout(330, top=40, hovermode="closest", barmode="group"))
     for item in shown:
         headline = _headline(item)
         if headline.histogram.share.size:
@@ -291,7 +283,7 @@ def histogram_figure(views: Sequence[RunView]) -> go.Figure:
     return style.fit_legend(figure, 380)
 
 
-def _add_bars(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+def _add_bars(figure: Drawing, item: Series, headline: FilteredStatistics) -> None:
     """Draw the distribution of a single series as bars, with the normal one."""
     edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
     look, width = style.look(item.number), float(edges[1] - edges[0])
@@ -315,7 +307,7 @@ def _add_bars(figure: go.Figure, item: Series, headline: FilteredStatistics) -> 
     )
 
 
-def _add_outline(figure: go.Figure, item: Series, headline: FilteredStatistics) -> None:
+def _add_outline(figure: Drawing, item: Series, headline: FilteredStatistics) -> None:
     """Draw the distribution of one of several series as a line through the classes."""
     edges, share = headline.histogram.edges, 100.0 * headline.histogram.share
     look, middle = style.look(item.number), 0.5 * (edges[:-1] + edges[1:])
@@ -336,12 +328,10 @@ def _headline(item: Series) -> FilteredStatistics:
     return item.view.statistics.pantographs[index].headline
 
 
-def spans_figure(views: Sequence[RunView]) -> go.Figure:
+def spans_figure(views: Sequence[RunView]) -> Drawing:
     """Draw mean, standard deviation and extremes of the low-passed force per span."""
-    import plotly.graph_objects as go
-
     shown = series(views)
-    figure = go.Figure(layout=style.layout(330, top=40, hovermode="closest"))
+    figure = Drawing(style.layout(330, top=40, hovermode="closest"))
     for item in shown:
         rows, look = _headline(item).per_span, style.look(item.number)
         span = np.array([row.span for row in rows], dtype=float)

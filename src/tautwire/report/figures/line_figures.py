@@ -3,40 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.line.pieces import Body, WireStay
+from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.packing import share, thinned
+from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_place, stays_of
 from tautwire.report.parts.views import RunView
 from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
-from tautwire.results.run import Run
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
+from tautwire.specs.case import Case
+from tautwire.specs.line.catenary import Line
 
 Array = NDArray[np.float64]
 MESSENGER = "#6a7683"
 DROPPER = "#9aa5b0"
 
 
-def line_figure(view: RunView) -> go.Figure:
-    """Draw the static line: side view, sag of the contact wire below its supports, plan view."""
-    from plotly.subplots import make_subplots
+def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
+    """Draw the static line: side view, sag of the contact wire below its supports, plan view.
 
-    figure = make_subplots(
-        rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.46, 0.24, 0.30]
-    )
-    shape, marks = view.run.equilibrium, view.run.case.line.support_marks()
-    _add_side_view(figure, shape)
+    Parameters
+    ----------
+    case
+    shape
+    first
+        Span from 1 at which it opens.
+    """
+    figure = panels([0.46, 0.24, 0.30], gap=0.05)
+    marks = case.line.support_marks()
+    _add_side_view(figure, shape, bodies_of(case))
     _add_sag(figure, shape)
     _add_plan(figure, shape)
+    _add_stays(figure, shape, stays_of(case))
     figure.update_layout(style.layout(640, top=48, bottom=72, hovermode="closest"))
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
-    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(view)))
+    figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(shape, first)))
     figure.update_xaxes(
         ticktext=[f"{n}<br>{p:g} m" for n, p in zip(marks, shape.mast_x.round(2), strict=True)],
         showticklabels=True,
@@ -50,15 +56,15 @@ def line_figure(view: RunView) -> go.Figure:
     return figure
 
 
-def _opening(view: RunView) -> list[float]:
+def _opening(shape: Equilibrium, first: int) -> list[float]:
     """Return the first three spans of the section."""
-    x, first = view.run.equilibrium.mast_x, view.statistics.section.first_span
+    x = shape.mast_x
     last = min(first + 2, x.size - 1)
     margin = 0.03 * (x[last] - x[first - 1])
     return [float(x[first - 1] - margin), float(x[last] + margin)]
 
 
-def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_side_view(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) -> None:
     top = _dropper_tops(shape)
     _add_segments(
         figure, (shape.dropper_x, top), (shape.dropper_x, shape.dropper_heights), "droppers", 1
@@ -87,6 +93,36 @@ def _add_side_view(figure: go.Figure, shape: Equilibrium) -> None:
         row=1,
         col=1,
     )
+    _add_bodies(figure, shape, bodies)
+
+
+def _add_stays(figure: Drawing, shape: Equilibrium, stays: Sequence[WireStay]) -> None:
+    """Add the stays of wires to the side view and to the plan view."""
+    if not stays:
+        return
+    on_wire = np.array([stay_place(shape, stay) for stay in stays])
+    far = np.array([stay.end for stay in stays])
+    far[:, 0] += [stay.at.s for stay in stays]
+    for row, axis, scale in ((1, 2, 1.0), (3, 1, 1e3)):
+        begin, end = ((at[:, 0], scale * at[:, axis]) for at in (on_wire, far))
+        _add_segments(figure, begin, end, "stays", row)
+
+
+def _add_bodies(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) -> None:
+    if not bodies:
+        return
+    ends = [body_heights(shape, body) for body in bodies]
+    figure.add_scatter(
+        x=[0.5 * (body.start + body.end) for body in bodies],
+        y=[0.5 * (left + right) for left, right in ends],
+        mode="markers",
+        marker={"size": 9, "symbol": "square", "color": style.SLACK},
+        name="bodies",
+        text=[f"{body.name} in {body.run}" for body in bodies],
+        hovertemplate="%{text}, x = %{x:.2f} m<extra></extra>",
+        row=1,
+        col=1,
+    )
 
 
 def _dropper_tops(shape: Equilibrium) -> Array:
@@ -102,25 +138,39 @@ def _looks(shape: Equilibrium) -> list[tuple[WireShape, dict[str, Any]]]:
     """Return every wire with its line: contact wires last, in colours, the others dashed."""
     contacts = shape.of_role("contact")
     others = [wire for wire in shape.wires if wire not in contacts]
+    groups = list(dict.fromkeys(map(_group, others)))
     carrying = [
-        (wire, {"color": MESSENGER, "width": 1.8, "dash": style.DASHES[1 + number % 5]})
-        for number, wire in enumerate(others)
+        (
+            wire,
+            {
+                "color": MESSENGER,
+                "width": 1.8,
+                "dash": style.DASHES[1 + groups.index(_group(wire)) % 5],
+            },
+        )
+        for wire in others
     ]
     run = [(wire, {"color": style.look(n).colour, "width": 2.4}) for n, wire in enumerate(contacts)]
     return carrying + run
 
 
+def _group(wire: WireShape) -> str:
+    """Return the entry of the legend to which a wire belongs: one for all stitch wires."""
+    return "stitch wires" if wire.role == "stitch" else wire.name
+
+
 def _add_wire(
-    figure: go.Figure, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
+    figure: Drawing, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
+    group = _group(wire)
     figure.add_scatter(
         x=wire.position[:, 0].astype(np.float32),
         y=y.astype(np.float32),
         mode="lines",
-        name=wire.name,
+        name=group,
         line=line,
-        legendgroup=wire.name,
-        showlegend=row == 1,
+        legendgroup=group,
+        showlegend=not any(trace.get("legendgroup") == group for trace in figure.data),
         hovertemplate=f"{wire.name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
         row=row,
         col=1,
@@ -128,7 +178,7 @@ def _add_wire(
 
 
 def _add_segments(
-    figure: go.Figure,
+    figure: Drawing,
     begins: tuple[Array, Array],
     ends: tuple[Array, Array],
     name: str,
@@ -151,7 +201,7 @@ def _add_segments(
     )
 
 
-def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_sag(figure: Drawing, shape: Equilibrium) -> None:
     for wire, line in _looks(shape):
         if wire.role != "contact":
             continue
@@ -174,7 +224,7 @@ def _add_sag(figure: go.Figure, shape: Equilibrium) -> None:
         )
 
 
-def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
+def _add_plan(figure: Drawing, shape: Equilibrium) -> None:
     for wire, line in _looks(shape):
         _add_wire(figure, wire, 1e3 * wire.position[:, 1], line, row=3, text="y = %{y:.1f} mm")
     if shape.arm_supports.size:
@@ -188,13 +238,9 @@ def _add_plan(figure: go.Figure, shape: Equilibrium) -> None:
         _add_segments(figure, (foot_x, foot_y), ends, "steady arms", 3)
 
 
-def uplift_figure(views: Sequence[RunView]) -> go.Figure:
+def uplift_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the largest uplift of the contact wire at every support, pale outside the section."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(
-        layout=style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25)
-    )
+    figure = Drawing(style.layout(330, top=40, hovermode="closest", barmode="group", bargap=0.25))
     for number, view in enumerate(views):
         inside = view.statistics.uplift
         uplift = view.run.equilibrium.by_mast(view.run.support_uplift)
@@ -228,11 +274,9 @@ def _every(view: RunView) -> int:
     return max(1, view.run.case.line.spans // 17)
 
 
-def uplift_history_figure(views: Sequence[RunView]) -> go.Figure:
+def uplift_history_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the uplift over time at the support of the section where it is largest."""
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(330, top=40))
+    figure = Drawing(style.layout(330, top=40))
     for number, view in enumerate(views):
         support = highest_support(view)
         if support is None or view.run.time.size < 2:
@@ -265,12 +309,10 @@ def highest_support(view: RunView) -> int | None:
     return int(uplift.supports[np.nanargmax(uplift.uplift)])
 
 
-def height_figure(views: Sequence[RunView]) -> go.Figure:
+def height_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the height of the contact wire at the pantographs beside its static height."""
-    import plotly.graph_objects as go
-
     first = views[0]
-    figure = go.Figure(layout=style.layout(350, top=76))
+    figure = Drawing(style.layout(350, top=76))
     wire = first.run.equilibrium.contact_position
     figure.add_scatter(
         x=wire[:, 0].astype(np.float32),
@@ -296,7 +338,7 @@ def height_figure(views: Sequence[RunView]) -> go.Figure:
 
 
 def _add_height(
-    figure: go.Figure, view: RunView, name: str, number: int, limit: int, *, many: bool
+    figure: Drawing, view: RunView, name: str, number: int, limit: int, *, many: bool
 ) -> None:
     record, look = view.run.pantograph(name), style.look(number)
     position, height = record.position[record.active], record.wire_height[record.active]
@@ -314,13 +356,9 @@ def _add_height(
     )
 
 
-def dropper_figure(views: Sequence[RunView]) -> go.Figure:
+def dropper_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the range of the dropper forces during the passage and how long they are slack."""
-    from plotly.subplots import make_subplots
-
-    figure = make_subplots(
-        rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.07, row_heights=[0.68, 0.32]
-    )
+    figure = panels([0.68, 0.32], gap=0.07)
     first = views[0]
     shape = first.run.equilibrium
     gaps = np.diff(shape.dropper_x)
@@ -346,7 +384,7 @@ def dropper_figure(views: Sequence[RunView]) -> go.Figure:
 
 
 def _add_droppers(
-    figure: go.Figure, view: RunView, number: int, shift: float, width: float, *, many: bool
+    figure: Drawing, view: RunView, number: int, shift: float, width: float, *, many: bool
 ) -> None:
     data, look = view.statistics.droppers, style.look(number)
     labels = np.column_stack(
@@ -394,18 +432,18 @@ def _add_droppers(
     )
 
 
-def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) -> go.Figure:
+def elasticity_figure(
+    elasticities: Sequence[tuple[str, Elasticity]], line: Line, shape: Equilibrium
+) -> Drawing:
     """Draw the elasticity over position, of one or several lines.
 
     Parameters
     ----------
     elasticities : sequence of (label, Elasticity)
-    run : Run
-        Gives the positions of the supports.
+    line, shape
+        Give names and positions of the supports.
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=40, hovermode="closest"))
+    figure = Drawing(style.layout(360, top=40, hovermode="closest"))
     symbols = {"support": "square", "dropper": "circle", "middle": "x-thin"}
     for number, (label, data) in enumerate(elasticities):
         look = style.look(number)
@@ -430,12 +468,12 @@ def elasticity_figure(elasticities: Sequence[tuple[str, Elasticity]], run: Run) 
             text=[names[i] for i in order],
             hovertemplate="%{text}: %{y:.4f} mm/N<extra></extra>",
         )
-    inside = run.equilibrium.mast_x
+    inside = shape.mast_x
     figure.update_layout(
         xaxis=style.axis(
             "support",
             tickvals=inside,
-            ticktext=run.case.line.support_marks(),
+            ticktext=line.support_marks(),
             gridcolor=style.SUPPORT,
         ),
         yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.parts.summary import statistics_of
@@ -14,9 +15,6 @@ from tautwire.report.parts.views import RunView, Series, series
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.statistics import LossEvent
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 MOST_ENLARGED = 6
 """Losses drawn enlarged, the longest: three rows of two fill a screen."""
@@ -29,25 +27,24 @@ SPACING = 0.02
 """Distance of the points at which the surface is drawn [m]."""
 
 
-def enlarged_figure(views: Sequence[RunView]) -> go.Figure:
+def enlarged_figure(views: Sequence[RunView]) -> Drawing:
     """Draw the unfiltered force around the longest losses, one panel each, in order of time.
 
     Runs of one speed share the panels: the same instant is the same place.
     """
-    from plotly.subplots import make_subplots
-
     shown = series(views)
     chosen = _longest(shown)
     rows = -(-len(chosen) // COLUMNS)
-    figure = make_subplots(
-        rows=rows,
-        cols=COLUMNS,
-        vertical_spacing=0.26 / rows,
-        horizontal_spacing=0.1,
-        subplot_titles=[f"{1e3 * e.duration:.2f} ms at {e.place}" for _, e in chosen],
+    figure = panels(
+        [1.0] * rows,
+        columns=COLUMNS,
+        gap=0.26 / rows,
+        gap_across=0.1,
+        titles=[f"{1e3 * e.duration:.2f} ms at {e.place}" for _, e in chosen],
     )
+    for note in figure.layout["annotations"]:
+        note["font"] = {"size": 12, "color": style.SOFT}
     figure.update_layout(style.layout(90 + 235 * rows, top=84, hovermode="closest"))
-    figure.update_annotations(font={"size": 12, "color": style.SOFT})
     for number, (owner, event) in enumerate(chosen):
         place: dict[str, Any] = {"row": number // COLUMNS + 1, "col": number % COLUMNS + 1}
         for item in shown if _is_one_passage(views) else [owner]:
@@ -83,7 +80,7 @@ def _longest(shown: Sequence[Series]) -> list[tuple[Series, LossEvent]]:
 
 
 def _add_force(
-    figure: go.Figure, item: Series, event: LossEvent, place: dict[str, int], *, is_first: bool
+    figure: Drawing, item: Series, event: LossEvent, place: dict[str, int], *, is_first: bool
 ) -> None:
     """Add the force around a loss, and its losses as bars at zero force and below."""
     low, high = event.start - MARGIN, event.start + event.duration + MARGIN
@@ -118,7 +115,7 @@ def _add_force(
             )
 
 
-def irregularity_figure(view: RunView, drawn: DrawnIrregularities) -> go.Figure:
+def irregularity_figure(view: RunView, drawn: DrawnIrregularities) -> Drawing:
     """Draw what the head meets, the running surface, and the errors of installation."""
     shape, curves = view.run.equilibrium, []
     x = np.arange(shape.mast_x[0], shape.mast_x[-1], SPACING)

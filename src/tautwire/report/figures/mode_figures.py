@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.analyses.vibration.modes import mode_spectrum
 from tautwire.analyses.vibration.space_time import SpaceTime
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.figures.packing import thinned
 from tautwire.results.modes import Modes
 from tautwire.signals.spectra import Spectrum
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 
@@ -24,7 +22,7 @@ MAP_POINTS = 400
 """Most points of a map along one axis."""
 
 
-def mode_figure(modes: Modes, number: int, support_x: Array, marks: Sequence[str]) -> go.Figure:
+def mode_figure(modes: Modes, number: int, support_x: Array, marks: Sequence[str]) -> Drawing:
     """Draw the vertical shape of all wires in one mode, scaled to a largest value of 1.
 
     Parameters
@@ -36,9 +34,7 @@ def mode_figure(modes: Modes, number: int, support_x: Array, marks: Sequence[str
     marks
         What stands at each support.
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(360, top=76))
+    figure = Drawing(style.layout(360, top=76))
     curves = [(wire.name, wire.s, wire.displacements[number, :, 2]) for wire in modes.wires]
     apart = 2.4  # shapes from -1 to 1, with room between neighbours
     largest = max(1e-300, *(float(np.abs(z).max()) for _, _, z in curves))
@@ -69,7 +65,7 @@ def mode_figure(modes: Modes, number: int, support_x: Array, marks: Sequence[str
     return figure
 
 
-def mode_spectrum_figure(modes: Modes, number: int, lengths: Mapping[str, float]) -> go.Figure:
+def mode_spectrum_figure(modes: Modes, number: int, lengths: Mapping[str, float]) -> Drawing:
     """Draw the spectrum of a mode's vertical contact-wire shape with the line's lengths named."""
     return spectrum_figure(
         {"": mode_spectrum(modes, number)},
@@ -87,7 +83,7 @@ def spectrum_figure(
     highest: float = 1.2,
     scale: float = 1.0,
     is_log: bool = True,
-) -> go.Figure:
+) -> Drawing:
     """Draw spectra over wave number, with the wavelength above and the line's lengths named.
 
     Parameters
@@ -105,9 +101,7 @@ def spectrum_figure(
     is_log
         Whether the vertical axis is logarithmic.
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(400, top=96))
+    figure = Drawing(style.layout(400, top=96))
     top = 0.0
     for at, (label, spectrum) in enumerate(spectra.items()):
         kept = (spectrum.abscissa <= highest) & (spectrum.abscissa > 0.0)
@@ -135,19 +129,28 @@ def spectrum_figure(
     return style.fit_legend(figure)
 
 
-def add_lengths(figure: go.Figure, lengths: Mapping[str, float], highest: float) -> None:
+def add_lengths(figure: Drawing, lengths: Mapping[str, float], highest: float) -> None:
     """Mark the wave numbers of lengths with dotted lines and their names."""
     for at, (name, length) in enumerate(lengths.items()):
         if 1.0 / length <= highest:
             figure.add_vline(
                 x=1.0 / length,
                 line={"color": style.SOFT, "width": 1, "dash": "dot"},
-                annotation={"text": name, "font": {"size": 11, "color": style.SOFT}},
-                annotation_position="top left" if at % 2 else "top right",
+            )
+            figure.add_annotation(
+                text=name,
+                x=1.0 / length,
+                y=1,
+                xref="x",
+                yref="y domain",
+                xanchor="right" if at % 2 else "left",
+                yanchor="top",
+                showarrow=False,
+                font={"size": 11, "color": style.SOFT},
             )
 
 
-def _add_wavelengths(figure: go.Figure, highest: float, span: float | None) -> None:
+def _add_wavelengths(figure: Drawing, highest: float, span: float | None) -> None:
     """Add an upper axis with wavelengths; it needs a curve of its own to be drawn."""
     shown = [length for length in style.wavelengths(span) if 1.0 / length <= highest]
     figure.add_scatter(
@@ -172,7 +175,7 @@ def _add_wavelengths(figure: go.Figure, highest: float, span: float | None) -> N
     )
 
 
-def space_time_figure(motion: SpaceTime, section: tuple[float, float]) -> go.Figure:
+def space_time_figure(motion: SpaceTime, section: tuple[float, float]) -> Drawing:
     """Draw a map of the wire's vertical velocity over position and time.
 
     Parameters
@@ -181,15 +184,14 @@ def space_time_figure(motion: SpaceTime, section: tuple[float, float]) -> go.Fig
     section
         Part of the track to show [m].
     """
-    import plotly.graph_objects as go
-
     inside = (motion.x >= section[0]) & (motion.x <= section[1])
     columns = _some(np.flatnonzero(inside))
     rows = _some(np.arange(len(motion.time)))
     shown = motion.velocity[np.ix_(rows, columns)]
     limit = float(np.percentile(np.abs(shown), 99.5)) or 1.0
-    figure = go.Figure(layout=style.layout(560, top=60))
-    figure.add_heatmap(
+    figure = Drawing(style.layout(560, top=60))
+    figure.add(
+        "heatmap",
         x=motion.x[columns].astype(np.float32),
         y=motion.time[rows].astype(np.float32),
         z=shown.astype(np.float32),

@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.figures.packing import thinned
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
-Figure: TypeAlias = "go.Figure"
 
 MOST_POINTS = 8000
 """Points of a curve: four per pixel of a wide screen, two of which are extremes."""
@@ -79,7 +75,7 @@ class Panel:
 
 def panel_figure(
     panels: Sequence[Panel], x_title: str, height: int = 300, *, shared: bool = False
-) -> go.Figure:
+) -> Drawing:
     """Draw panels one above the other.
 
     Parameters
@@ -92,9 +88,7 @@ def panel_figure(
     shared
         Whether all panels zoom together.
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(60 + height * len(panels), top=62))
+    figure = Drawing(style.layout(60 + height * len(panels), top=62))
     gap = GAP / (height * len(panels))
     part = (1.0 - gap * (len(panels) - 1)) / len(panels)
     seen: set[str] = set()
@@ -103,9 +97,9 @@ def panel_figure(
         top = 1.0 - number * (part + gap)
         _add_axes(figure, panel, suffix, (max(0.0, top - part), top))
         if number == len(panels) - 1:
-            figure.layout[f"xaxis{suffix}"].title = {"text": x_title, "standoff": 8}
+            figure.layout[f"xaxis{suffix}"]["title"] = {"text": x_title, "standoff": 8}
         if shared and number:
-            figure.layout[f"xaxis{suffix}"].matches = "x"
+            figure.layout[f"xaxis{suffix}"]["matches"] = "x"
         for curve in panel.curves:
             _add_curve(figure, curve, suffix, show=curve.name not in seen)
             seen.add(curve.name)
@@ -113,7 +107,7 @@ def panel_figure(
     return style.fit_legend(figure)
 
 
-def _add_axes(figure: go.Figure, panel: Panel, suffix: str, domain: tuple[float, float]) -> None:
+def _add_axes(figure: Drawing, panel: Panel, suffix: str, domain: tuple[float, float]) -> None:
     range_ = None if panel.x_range is None else list(panel.x_range)
     figure.update_layout(
         {
@@ -136,31 +130,27 @@ def _add_axes(figure: go.Figure, panel: Panel, suffix: str, domain: tuple[float,
     )
 
 
-def _add_curve(figure: go.Figure, curve: Curve, suffix: str, *, show: bool) -> None:
-    import plotly.graph_objects as go
-
+def _add_curve(figure: Drawing, curve: Curve, suffix: str, *, show: bool) -> None:
     look = style.look(curve.look)
     x, y = np.asarray(curve.x, dtype=float), np.asarray(curve.y, dtype=float)
     kept = thinned(y, MOST_POINTS)
-    figure.add_trace(
-        go.Scatter(
-            x=x[kept].astype(np.float32),
-            y=y[kept].astype(np.float32),
-            name=curve.name,
-            legendgroup=curve.name,
-            showlegend=show and bool(curve.name),
-            mode=curve.mode,
-            line={"color": look.colour, "dash": curve.dash or look.dash, "width": curve.width},
-            marker={"color": look.colour, "symbol": look.symbol, "size": 7},
-            xaxis=f"x{suffix}",
-            yaxis=f"y{suffix}",
-            hovertemplate="%{y:.4g}",
-        )
+    figure.add_scatter(
+        x=x[kept].astype(np.float32),
+        y=y[kept].astype(np.float32),
+        name=curve.name,
+        legendgroup=curve.name,
+        showlegend=show and bool(curve.name),
+        mode=curve.mode,
+        line={"color": look.colour, "dash": curve.dash or look.dash, "width": curve.width},
+        marker={"color": look.colour, "symbol": look.symbol, "size": 7},
+        xaxis=f"x{suffix}",
+        yaxis=f"y{suffix}",
+        hovertemplate="%{y:.4g}",
     )
 
 
 def _add_marks(
-    figure: go.Figure, marks: Mapping[str, float], suffix: str, bottom: float, top: float
+    figure: Drawing, marks: Mapping[str, float], suffix: str, bottom: float, top: float
 ) -> None:
     """Draw a line at every named place, its name beside it."""
     for name, place in marks.items():
@@ -191,7 +181,7 @@ def _add_marks(
 
 def bar_figure(
     groups: Sequence[str], series: Mapping[str, ArrayLike], y_title: str, height: int = 360
-) -> go.Figure:
+) -> Drawing:
     """Draw grouped bars.
 
     Parameters
@@ -204,19 +194,15 @@ def bar_figure(
     height
         [px]
     """
-    import plotly.graph_objects as go
-
-    figure = go.Figure(layout=style.layout(height, top=62, barmode="group"))
+    figure = Drawing(style.layout(height, top=62, barmode="group"))
     for number, (name, values) in enumerate(series.items()):
         numbers: NDArray[np.float64] = np.asarray(values, dtype=float)
-        figure.add_trace(
-            go.Bar(
-                x=list(groups),
-                y=[None if math.isnan(v) else round(v, 4) for v in numbers.tolist()],
-                name=name,
-                marker=style.filling(style.look(number)),
-                hovertemplate="%{y:.2f}",
-            )
+        figure.add_bar(
+            x=list(groups),
+            y=[None if math.isnan(v) else round(v, 4) for v in numbers.tolist()],
+            name=name,
+            marker=style.filling(style.look(number)),
+            hovertemplate="%{y:.2f}",
         )
     figure.update_layout(xaxis=style.axis(""), yaxis=style.axis(y_title, rangemode="tozero"))
     return style.fit_legend(figure)

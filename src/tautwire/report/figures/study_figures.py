@@ -1,23 +1,21 @@
-"""Figures of a study: standard deviations over an axis, by mesh and cut-off, over seeds."""
+"""Figures of a study: forces and uplift over an axis, deviations by mesh and over seeds."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
 from tautwire.report.parts.words import band as band_text
 from tautwire.studies.axes import SAMPLE, AxisValues, Dimension
 from tautwire.studies.columns import BAND, FILTER, PANTOGRAPH
 from tautwire.studies.table import StudyTable
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 Array = NDArray[np.float64]
 
@@ -38,14 +36,15 @@ _READABLE = {"m/s": ("km/h", 3.6), "N/m": ("kN/m", 1e-3), "s": ("ms", 1e3)}
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Standard deviations along one dimension, the others held at one place.
+    """Figures of the cases along one dimension, the others held at one place.
 
     Attributes
     ----------
     label : str
         Where the others are held.
-    values : mapping of str to (n,) array, N
-        By band; ``"advised"`` for the advised cut-off.
+    values : mapping of str to (n,) array
+        Standard deviations [N] by band, ``"advised"`` for the advised cut-off; ``"maximum"`` and
+        ``"minimum"`` of the force up to 20 Hz [N]; ``"uplift"``, the largest at a support [mm].
     """
 
     label: str
@@ -63,8 +62,10 @@ def readable_axis(axis: AxisValues) -> tuple[str, list[float | str]]:
     return title, values
 
 
-def groups(table: StudyTable, name: str, kind: str = "sharp") -> list[Group]:
-    """Return the standard deviations along a dimension, one group per place on all others.
+def groups(
+    table: StudyTable, name: str, kind: str = "sharp", *, by_pantograph: bool = True
+) -> list[Group]:
+    """Return figures of the cases along a dimension, one group per place on all others.
 
     Parameters
     ----------
@@ -73,6 +74,8 @@ def groups(table: StudyTable, name: str, kind: str = "sharp") -> list[Group]:
         Name of the dimension.
     kind
         Kind of filter.
+    by_pantograph
+        Groups for each pantograph; otherwise those of the leading one, for what all share.
     """
     if "std" not in table.variables or kind not in table.labels[FILTER]:
         return []
@@ -80,16 +83,21 @@ def groups(table: StudyTable, name: str, kind: str = "sharp") -> list[Group]:
     through = table.labels[FILTER].index(kind)
     others = [d for d in table.dimensions if d.name != name]
     found = []
-    for who, pantograph in enumerate(table.labels[PANTOGRAPH]):
+    names = table.labels[PANTOGRAPH] if by_pantograph else table.labels[PANTOGRAPH][:1]
+    for who, pantograph in enumerate(names):
         by_band = {
             band: np.moveaxis(table["std"].values[..., who, through, number], along, -1)
             for number, band in enumerate(table.labels[BAND])
         }
         advised = table["std_advised"].values[..., who, through]
         by_band["advised"] = np.moveaxis(advised, along, -1)
+        for extreme in ("maximum", "minimum"):
+            values = table[extreme].values[..., who, through]
+            by_band[extreme] = np.moveaxis(values, along, -1)
+        by_band["uplift"] = np.moveaxis(1e3 * table["uplift_max"].values, along, -1)
         for index in np.ndindex(*(d.size for d in others)):
             words = [_place(d, at) for d, at in zip(others, index, strict=True)]
-            if len(table.labels[PANTOGRAPH]) > 1:
+            if len(names) > 1:
                 words.append(pantograph)
             values = {band: array[index] for band, array in by_band.items()}
             found.append(Group(", ".join(words), values))
@@ -111,74 +119,98 @@ def _place(dimension: Dimension, at: int) -> str:
     return ", ".join(words)
 
 
-def deviation_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
-    """Draw standard deviations to 20 Hz, to the advised cut-off and to 200 Hz over an axis.
+@dataclass(frozen=True)
+class Drawn:
+    """What a figure draws over an axis.
+
+    Attributes
+    ----------
+    title : str
+        Of the vertical axis.
+    unit : str
+    curves : mapping of str to str
+        Words by the name of a value of a :class:`Group`.
+    by_pantograph : bool
+        Whether every pantograph has its own.
+    """
+
+    title: str
+    unit: str
+    curves: dict[str, str]
+    by_pantograph: bool = True
+
+
+def axis_figure(table: StudyTable, axis: AxisValues, name: str, drawn: Drawn) -> Drawing:
+    """Draw figures of the cases over an axis, one curve per place on all others.
 
     Parameters
     ----------
     table
     axis
-        Numeric axis.
+        Numbers, or names.
     name
         Name of its dimension.
+    drawn
+        What is drawn.
     """
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
-    order = np.argsort(np.array(values, dtype=float), kind="stable")
-    x = np.array(values, dtype=float)[order]
-    found = groups(table, name)
-    figure = go.Figure(layout=style.layout(430, top=76))
-    if len(found) <= MOST_SERIES:
-        for number, group in enumerate(found):
-            _add_curves(figure, x, {b: group.values[b][order] for b in CUTOFFS}, group, number)
-    else:
-        _add_ranges(figure, x, found, order)
-    is_log = axis.unit == "N/m" and x[0] > 0.0 and x[-1] / x[0] >= 5.0
-    ticks: dict[str, Any] = {"tickvals": x, "ticktext": [f"{value:g}" for value in x]}
+    x = np.array(values, dtype=float if axis.is_numeric else str)
+    order = np.argsort(x, kind="stable") if axis.is_numeric else np.arange(x.size)
+    found = groups(table, name, by_pantograph=drawn.by_pantograph)
+    figure = Drawing(style.layout(430, top=76))
+    add = _add_curves if len(found) <= MOST_SERIES else _add_ranges
+    add(figure, x, found, order, drawn)
     figure.update_layout(
-        xaxis=style.axis(
-            title, type="log" if is_log else "linear", **(ticks if len(x) <= MOST_TICKS else {})
-        ),
-        yaxis=style.axis("standard deviation [N]", rangemode="tozero"),
+        xaxis=style.axis(title, **(_scale(axis, x[order]) if axis.is_numeric else {})),
+        yaxis=style.axis(f"{drawn.title} [{drawn.unit}]", rangemode="tozero"),
     )
     return style.fit_legend(figure)
 
 
+def _scale(axis: AxisValues, x: Array) -> dict[str, Any]:
+    """Return scale and ticks of an axis of numbers that rise."""
+    is_log = axis.unit == "N/m" and x[0] > 0.0 and x[-1] / x[0] >= 5.0
+    ticks: dict[str, Any] = {"tickvals": x, "ticktext": [f"{value:g}" for value in x]}
+    return {"type": "log" if is_log else "linear", **(ticks if len(x) <= MOST_TICKS else {})}
+
+
 def _add_curves(
-    figure: go.Figure, x: Array, values: dict[str, Array], group: Group, number: int
+    figure: Drawing, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
 ) -> None:
-    """Add one curve per cut-off, in the colour of the group."""
-    look = style.look(number)
-    for dash, (cutoff, y) in zip(("solid", "dash", "dot"), values.items(), strict=True):
-        figure.add_scatter(
-            x=x,
-            y=y,
-            name=", ".join(filter(None, (group.label, cutoff_text(cutoff)))),
-            mode="lines+markers",
-            line={"color": look.colour, "width": 1.8, "dash": dash},
-            marker={"symbol": look.symbol, "size": 7},
-            hovertemplate="%{y:.1f} N",
-        )
+    """Add the curves of every group, in its colour."""
+    for number, group in enumerate(found):
+        look = style.look(number)
+        for dash, (key, words) in zip(style.DASHES, drawn.curves.items(), strict=False):
+            figure.add_scatter(
+                x=x[order],
+                y=group.values[key][order],
+                name=", ".join(filter(None, (group.label, words))),
+                mode="lines+markers" if x.dtype.kind == "f" else "markers",
+                line={"color": look.colour, "width": 1.8, "dash": dash},
+                marker={"symbol": look.symbol, "size": 7},
+                hovertemplate=f"%{{y:.1f}} {drawn.unit}",
+            )
 
 
-def _add_ranges(figure: go.Figure, x: Array, found: Sequence[Group], order: Any) -> None:
-    """Add mean and range over many groups, per cut-off."""
-    for number, cutoff in enumerate(CUTOFFS):
-        every = np.array([group.values[cutoff][order] for group in found])
+def _add_ranges(
+    figure: Drawing, x: NDArray[Any], found: Sequence[Group], order: Any, drawn: Drawn
+) -> None:
+    """Add mean and range over many groups."""
+    for number, (key, words) in enumerate(drawn.curves.items()):
+        every = np.array([group.values[key][order] for group in found])
         look = style.look(number)
         mean = _finite(np.nanmean, every)
         low, high = _finite(np.nanmin, every), _finite(np.nanmax, every)
         figure.add_scatter(
-            x=x,
+            x=x[order],
             y=mean,
             error_y={"type": "data", "symmetric": False, "array": high - mean,
                      "arrayminus": mean - low, "thickness": 1.2},
-            name=f"{cutoff_text(cutoff)}, mean and range of {len(found)}",
-            mode="lines+markers",
+            name=", ".join(filter(None, (words, f"mean and range of {len(found)}"))),
+            mode="lines+markers" if x.dtype.kind == "f" else "markers",
             line={"color": look.colour, "width": 1.8, "dash": look.dash},
             marker={"symbol": look.symbol, "size": 7},
-            hovertemplate="%{y:.1f} N",
+            hovertemplate=f"%{{y:.1f}} {drawn.unit}",
         )  # fmt: skip
 
 
@@ -189,16 +221,14 @@ def _finite(reduce: Callable[..., Any], values: Array) -> Array:
     return np.where(empty, np.nan, reduce(filled, axis=0))
 
 
-def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def band_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw bars of the standard deviation per band and value of an axis, such as the mesh.
 
     With several combinations of the other axes, bars are their mean.
     """
-    import plotly.graph_objects as go
-
     found = groups(table, name)
     bands = [band for band in BAR_BANDS if band in table.labels[BAND]]
-    figure = go.Figure(layout=style.layout(400, top=76, barmode="group"))
+    figure = Drawing(style.layout(400, top=76, barmode="group"))
     _, values = readable_axis(axis)
     label = "NAD" if axis.path == MESH else axis.name.replace("_", " ")
     for at, value in enumerate(values):
@@ -217,18 +247,17 @@ def band_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def box_figure(table: StudyTable, name: str) -> go.Figure:
+def box_figure(table: StudyTable, name: str) -> Drawing:
     """Draw the spread of the standard deviation over seeds or samples, one box per cut-off."""
-    import plotly.graph_objects as go
-
     found = groups(table, name)
-    figure = go.Figure(layout=style.layout(400, top=76, boxmode="group"))
+    figure = Drawing(style.layout(400, top=76, boxmode="group"))
     figure.update_layout(hovermode="closest")
     for number, cutoff in enumerate(CUTOFFS):
         x = [group.label or "all cases" for group in found for _ in group.values[cutoff]]
         y = np.concatenate([group.values[cutoff] for group in found])
         kept = np.isfinite(y)
-        figure.add_box(
+        figure.add(
+            "box",
             x=[label for label, is_kept in zip(x, kept, strict=True) if is_kept],
             y=y[kept],
             name=cutoff_text(cutoff),
@@ -245,12 +274,10 @@ def box_figure(table: StudyTable, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
+def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> Drawing:
     """Draw the standard deviation of every sample over one of the drawn values."""
-    import plotly.graph_objects as go
-
     title, values = readable_axis(axis)
-    figure = go.Figure(layout=style.layout(400, top=76))
+    figure = Drawing(style.layout(400, top=76))
     figure.update_layout(hovermode="closest")
     found = groups(table, name)
     for number, cutoff in enumerate(CUTOFFS):
@@ -269,7 +296,7 @@ def scatter_figure(table: StudyTable, axis: AxisValues, name: str) -> go.Figure:
     return style.fit_legend(figure)
 
 
-def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
+def usual_figures(table: StudyTable) -> Iterator[tuple[str, Drawing, str]]:
     """Yield name, figure and caption of the figures that suit the axes of a study."""
     if not groups(table, table.names[0]):
         return
@@ -290,7 +317,7 @@ def usual_figures(table: StudyTable) -> Iterator[tuple[str, go.Figure, str]]:
 
 def _axis_figures(
     table: StudyTable, axis: AxisValues, dimension: Dimension
-) -> Iterator[tuple[str, go.Figure, str]]:
+) -> Iterator[tuple[str, Drawing, str]]:
     if axis.path == SEED:
         return
     words = axis.name.replace("_", " ")
@@ -299,14 +326,29 @@ def _axis_figures(
         if math.prod(d.size for d in table.dimensions if d is not dimension) > 1:
             text += ", mean over all other axes"
         yield f"bands-{axis.name}", band_figure(table, axis, dimension.name), text
-    if dimension.name == SAMPLE and axis.is_numeric:
-        text = f"Standard deviation of the contact force of every sample over {words}"
-        yield f"samples-{axis.name}", scatter_figure(table, axis, dimension.name), text
-    elif axis.is_numeric:
-        text = f"Standard deviation of the contact force over {words}"
-        yield f"over-{axis.name}", deviation_figure(table, axis, dimension.name), text
+    if dimension.name == SAMPLE:
+        if axis.is_numeric:
+            text = f"Standard deviation of the contact force of every sample over {words}"
+            yield f"samples-{axis.name}", scatter_figure(table, axis, dimension.name), text
+        return
+    shown = [] if axis.path == MESH else [("extremes", EXTREMES), ("uplift", UPLIFT)]
+    if axis.is_numeric:
+        shown.insert(0, ("over", DEVIATIONS))
+    for what, drawn in shown:
+        figure = axis_figure(table, axis, dimension.name, drawn)
+        yield f"{what}-{axis.name}", figure, f"{drawn.title.capitalize()} over {words}"
 
 
 def cutoff_text(cutoff: str) -> str:
     """Return a band of the curves in words."""
     return "0 to the advised cut-off" if cutoff == "advised" else band_text(cutoff)
+
+
+DEVIATIONS = Drawn(
+    "standard deviation of the contact force", "N", {key: cutoff_text(key) for key in CUTOFFS}
+)
+EXTREMES = Drawn(
+    "largest and smallest contact force", "N",
+    {"maximum": f"largest, {band_text('0_20')}", "minimum": f"smallest, {band_text('0_20')}"},
+)  # fmt: skip
+UPLIFT = Drawn("largest uplift at a support", "mm", {"uplift": ""}, by_pantograph=False)

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
+from tautwire.report.drawing import Drawing
 
 INK = "#16202b"
 SOFT = "#55616e"
@@ -69,7 +68,7 @@ def filling(item: Look) -> dict[str, Any]:
     return {"color": item.colour, "pattern": pattern}
 
 
-def fit_legend(figure: go.Figure, width: int = 880) -> go.Figure:
+def fit_legend(figure: Drawing, width: int = 880) -> Drawing:
     """Make room above the plot for the rows of the legend and return the figure.
 
     Parameters
@@ -78,14 +77,14 @@ def fit_legend(figure: go.Figure, width: int = 880) -> go.Figure:
     width : int
         Width of the plot to expect [px].
     """
-    traces: Any = figure.data
-    names = [trace.name for trace in traces if trace.name and trace.showlegend is not False]
+    shown = [trace for trace in figure.data if trace.get("showlegend") is not False]
+    names = [trace["name"] for trace in shown if trace.get("name")]
     widths = [7.2 * len(name) + 48 for name in names]
     if sum(widths) > width:
         per_row = max(1, int(width // max(widths)))
         extra = 19 * (-(-len(names) // per_row) - 1)
-        layout: Any = figure.layout
-        figure.update_layout(margin={"t": layout.margin.t + extra}, height=layout.height + extra)
+        figure.layout["margin"]["t"] += extra
+        figure.layout["height"] += extra
     return figure
 
 
@@ -126,7 +125,6 @@ def support_axis(positions: Sequence[float], marks: Sequence[str], **more: Any) 
 def layout(height: int, top: int = 34, bottom: int = 52, **more: Any) -> dict[str, Any]:
     """Return what all figures share; ``top`` and ``bottom`` are margins in pixels."""
     return {
-        "template": "none",
         "height": height,
         "margin": {"l": 72, "r": 40, "t": top, "b": bottom},
         "font": {"family": FONT, "size": 13, "color": INK},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from tautwire.assessment.measurement import MeasurementComparison
-from tautwire.files import write_text
 from tautwire.report.figures.force_figures import add_line_marks
 from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.pages.measured_page import reading_blocks
@@ -27,37 +25,39 @@ from tautwire.report.parts.recordings.comparison import (
 )
 from tautwire.report.parts.sections import MOST_ROWS, chart
 from tautwire.report.parts.words import listing
-from tautwire.report.writers.html import render
+from tautwire.report.writers.page import Page
 from tautwire.report.writers.project import common_project, project_block
 from tautwire.results.run import Run
+from tautwire.specs.project import Project
 from tautwire.version import __version__
 
 _GROUPS = (("", 1), ("mean [N]", 2), ("σ [N]", 2), ("largest [N]", 2), ("smallest [N]", 2), ("", 1))
 _SPAN_HEADS = ("span", *("simulated", "measured") * 4, "measured of it")
 
 
-def write_comparison_page(
-    runs: Sequence[Run], found: Sequence[MeasurementComparison], path: str | os.PathLike[str]
-) -> Path:
-    """Write a page about comparisons as a single HTML file, completely or not at all.
+def compose_comparison(
+    runs: Sequence[Run], found: Sequence[MeasurementComparison], project: Project | None = None
+) -> Page:
+    """Return a page about comparisons.
 
     Parameters
     ----------
     runs
         One for each comparison.
     found
-    path
-        File to write.
+    project
+        Project block; by default that of the cases, where they agree.
     """
     contents = [
         section
         for number, (run, one) in enumerate(zip(runs, found, strict=True), 1)
         for section in _sections(run, one, "" if len(found) == 1 else str(number))
     ]
-    return write_text(path, render(contents, _masthead(runs, found)))
+    block = project or common_project([run.case for run in runs])
+    return Page(contents, _masthead(found, block))
 
 
-def _masthead(runs: Sequence[Run], found: Sequence[MeasurementComparison]) -> dict[str, Any]:
+def _masthead(found: Sequence[MeasurementComparison], project: Project) -> dict[str, Any]:
     names = list(dict.fromkeys(Path(one.label).name for one in found))
     return {
         "title": f"Measured and simulated: {listing(names)}",
@@ -67,7 +67,7 @@ def _masthead(runs: Sequence[Run], found: Sequence[MeasurementComparison]) -> di
             "Pantographs": listing(list(dict.fromkeys(one.pantograph for one in found))),
             "Tolerances": listing(list(dict.fromkeys(outcome_of(one) for one in found))),
         },
-        "project": project_block(common_project([run.case for run in runs])),
+        "project": project_block(project),
         "version": __version__,
         "case_hash": listing(list(dict.fromkeys(one.coverage.case_hash[:12] for one in found))),
     }

@@ -13,31 +13,18 @@ from tautwire.assessment.design.checks import DesignCheck
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.files import write_text
 from tautwire.report.figures import condition_figures as figures
-from tautwire.report.figures import design_figures
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.condition_words import condition_rows, end_rows
-from tautwire.report.parts.design import check_words, defect_words
-from tautwire.report.parts.design.lateral_words import (
-    ALIGN,
-    EXPLAINED,
-    HEAD,
-    lateral_rows,
-    worst_place,
-)
-from tautwire.report.parts.design.mast_words import (
-    CLEARANCE_HEAD,
-    FORCE_HEAD,
-    TENSION_HEAD,
-    clearance_rows,
-    force_rows,
-    installation_head,
-    installation_rows,
-    tension_rows,
+from tautwire.report.parts.design import defect_words
+from tautwire.report.parts.design.sections import (
+    checks_section,
+    lateral_section,
+    supports_section,
 )
 from tautwire.report.parts.sections import chart
 from tautwire.report.writers.html import render
 from tautwire.report.writers.project import project_block
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 from tautwire.specs.case import Case
 from tautwire.version import __version__
 
@@ -82,14 +69,18 @@ def write_conditions_page(page: ConditionsPage, path: str | os.PathLike[str]) ->
     """
     case, states = page.case, page.states
     possible = [one for one in states if not one.fault]
-    contents = [_summary(case, states, possible), _ends(possible), _supports(page.masts)]
+    contents = [
+        _summary(case, states, possible),
+        _ends(possible),
+        supports_section(page.masts, case.line),
+    ]
     defects = tuple(defect_words.defect_rows(possible))
     if defects:
         contents.append(_defects(defects))
     if page.lateral is not None:
-        contents.append(_lateral(page.lateral))
+        contents.append(lateral_section(page.lateral))
     if page.checks:
-        contents.append(_checks(page.checks))
+        contents.append(checks_section(page.checks))
     contents.append(_figures(possible))
     return write_text(path, render(contents, _masthead(case, states)))
 
@@ -152,55 +143,6 @@ def _ends(states: Sequence[ConditionState]) -> Section:
     return Section("ends", "Ends of the wires", tuple(blocks))
 
 
-def _supports(masts: Masts) -> Section:
-    blocks: list[object] = []
-    if masts.exceeded:
-        blocks.append(Callout(tuple(f"{name}: {text}" for name, text in masts.exceeded)))
-    blocks.append(
-        Table(
-            "Forces of all wires on every support, least to largest of all states: upwards, level "
-            "to the left of rising chainage (radial in a curve), and along the track. Weight of "
-            "cantilevers and wind on them are not in it.",
-            FORCE_HEAD,
-            "rrrrr",
-            tuple(force_rows(masts)),
-        )
-    )
-    if masts.installation:
-        blocks.append(
-            Table(
-                "Installation: how far cantilevers stand along the track from their place in the "
-                "design, positive towards rising chainage, and weights above theirs [mm].",
-                installation_head(masts, slice(None)),
-                "rl" + "r" * len(masts.temperatures),
-                tuple(installation_rows(masts, slice(None))),
-            )
-        )
-        offsets = "Place of the cantilevers along the track from that in the design."
-        blocks.append(chart("offsets", design_figures.offset_figure(masts), offsets, offsets))
-    profile = "Tension of the wires along the line, one curve per wire and condition."
-    blocks += [
-        chart("tension", design_figures.tension_figure(masts), profile, profile),
-        Table(
-            "Mean tension of the wires in their outermost spans and in the span with least.",
-            TENSION_HEAD,
-            "llrrrr",
-            tuple(tension_rows(masts)),
-        ),
-    ]
-    if any(one.clearances for one in masts.states):
-        blocks.append(
-            Table(
-                "Structures: what is left between the highest wire, lifted by a passing "
-                "pantograph, and the structure, in the state with least.",
-                CLEARANCE_HEAD,
-                "lllrrrl",
-                tuple(clearance_rows(masts)),
-            )
-        )
-    return Section("supports", "Supports, installation, structures", tuple(blocks))
-
-
 def _defects(rows: tuple[tuple[str, ...], ...]) -> Section:
     table = Table(
         "Conditions with defects: the largest differences from the design with their places, "
@@ -210,40 +152,6 @@ def _defects(rows: tuple[tuple[str, ...], ...]) -> Section:
         rows,
     )
     return Section("defects", "Defects", (table,))
-
-
-def _lateral(check: LateralCheck) -> Section:
-    blocks: list[object] = []
-    if check.faults:
-        blocks.append(Callout(check.faults))
-    if check.worst:
-        caption = (
-            "Contact wire over the track under wind from either side, and what is permissible."
-        )
-        blocks += [
-            Text(f"Worst place: {worst_place(check)}.", "statement"),
-            chart("blown", design_figures.blown_figure(check), caption, caption),
-            Table(EXPLAINED, HEAD, ALIGN, tuple(lateral_rows(check.worst))),
-        ]
-    blocks += [Text(note, "note") for note in check.notes]
-    return Section("lateral", f"Lateral position: {check.wind}", tuple(blocks))
-
-
-def _checks(checks: Sequence[DesignCheck]) -> Section:
-    table = Table(
-        "This line: finite-element equilibrium of the design and all conditions; estimate: the "
-        "closed form.",
-        check_words.HEAD,
-        "lrrrl",
-        tuple(check_words.check_rows(checks)),
-    )
-    sources = Table(
-        "Where the limits come from, and whether somebody compared them with the text.",
-        ("limit", "source"),
-        "ll",
-        tuple(check_words.source_rows(checks)),
-    )
-    return Section("checks", "Checks of the design", (table, sources))
 
 
 def _figures(states: Sequence[ConditionState]) -> Section:

@@ -57,39 +57,43 @@ class RunPlots:
 
     def force(self) -> go.Figure:
         """Draw the contact force over position: unfiltered, up to 200 Hz and up to 20 Hz."""
-        return force_figures.force_figure([self._view])
+        return force_figures.force_figure([self._view]).to_figure()
 
     def spectrum(self) -> go.Figure:
         """Draw the amplitude spectrum of the contact force in the analysed section."""
-        return force_figures.spectrum_figure([self._view])
+        return force_figures.spectrum_figure([self._view]).to_figure()
 
     def histogram(self) -> go.Figure:
         """Draw how often each contact force occurs in the analysed section."""
-        return force_figures.histogram_figure([self._view])
+        return force_figures.histogram_figure([self._view]).to_figure()
 
     def spans(self) -> go.Figure:
         """Draw mean, deviation and extremes of the contact force span by span."""
-        return force_figures.spans_figure([self._view])
+        return force_figures.spans_figure([self._view]).to_figure()
 
     def line(self) -> go.Figure:
         """Draw the static line: side view, sag and plan."""
-        return line_figures.line_figure(self._view)
+        return line_figures.line_figure(
+            self._view.run.case,
+            self._view.run.equilibrium,
+            self._view.statistics.section.first_span,
+        ).to_figure()
 
     def uplift(self) -> go.Figure:
         """Draw the largest uplift at every support of the analysed section."""
-        return line_figures.uplift_figure([self._view])
+        return line_figures.uplift_figure([self._view]).to_figure()
 
     def uplift_history(self) -> go.Figure:
         """Draw the uplift of the support that is lifted most over time."""
-        return line_figures.uplift_history_figure([self._view])
+        return line_figures.uplift_history_figure([self._view]).to_figure()
 
     def height(self) -> go.Figure:
         """Draw the height of the contact wire at the pantograph beside its static height."""
-        return line_figures.height_figure([self._view])
+        return line_figures.height_figure([self._view]).to_figure()
 
     def droppers(self) -> go.Figure:
         """Draw range of the force and slack time of every dropper of the analysed section."""
-        return line_figures.dropper_figure([self._view])
+        return line_figures.dropper_figure([self._view]).to_figure()
 
     def losses(self) -> go.Figure:
         """Draw the longest losses of contact enlarged.
@@ -101,7 +105,7 @@ class RunPlots:
         """
         if not any(entry.contact_loss.events for entry in self._view.statistics.pantographs):
             raise InputError("there is nothing to draw: no contact is lost in the analysed section")
-        return loss_figures.enlarged_figure([self._view])
+        return loss_figures.enlarged_figure([self._view]).to_figure()
 
     def motion(self, wire: str | None = None) -> go.Figure:
         """Draw a map of a wire's vertical velocity over position and time.
@@ -116,7 +120,9 @@ class RunPlots:
         InputError
             When the shapes were not stored (``settings.store_shapes``), or the wire is unknown.
         """
-        return mode_figures.space_time_figure(wire_velocity(self.run, wire), self._view.section)
+        return mode_figures.space_time_figure(
+            wire_velocity(self.run, wire), self._view.section
+        ).to_figure()
 
     def animation(self) -> Film:
         """Return the passage as an animation."""

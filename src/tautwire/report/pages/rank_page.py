@@ -32,12 +32,17 @@ def write_rank_page(ranking: Ranking, path: str | os.PathLike[str]) -> Path:
     """
     crew = Table(
         f"Unstrained dropper lengths, clamp to clamp, each to within {TOLERANCE:g} mm; heights "
-        "at supports by the change. The first column is the order of gain, the rows follow the "
-        "line.",
+        "at supports by the change. The first column is the order of effect on the contact force, "
+        "the rows follow the line.",
         CREW_HEAD, "rlrrrrl", tuple(crew_rows(ranking)),
     )  # fmt: skip
     figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "lrrrr", tuple(figure_rows(ranking)))
-    note = Text("What is predicted adds up the changes that each correction makes alone.", "note")
+    note = Text(
+        "Computed: a passage over the whole line with these corrections made; this is what they "
+        "gain. Predicted: the sum of the changes that each makes after those before it, from "
+        "passages over a few spans.",
+        "note",
+    )
     contents = [
         Section("corrections", "Corrections", (crew,)),
         Section("gain", "What they gain", (figures, note)),

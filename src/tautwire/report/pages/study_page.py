@@ -24,7 +24,7 @@ from tautwire.report.parts.blocks import (
     Verdict,
 )
 from tautwire.report.parts.sections import chart
-from tautwire.report.parts.words import counted, listing, number
+from tautwire.report.parts.words import counted, listing, number, with_error
 from tautwire.report.writers.html import render
 from tautwire.report.writers.project import project_block
 from tautwire.signals.filters import SharpLowpass
@@ -201,10 +201,13 @@ def _columns(table: StudyTable) -> Any:
         own = f"{name}: " if len(names) > 1 else ""
 
         def force(index: tuple[int, ...], quantity: str, at: int = who) -> str:
-            return number(float(table[quantity].values[(*index, at, kind)]))
+            place = (*index, at, kind)
+            return with_error(float(table[quantity].values[place]), table.error(quantity, place))
 
         def single(index: tuple[int, ...], quantity: str, digits: int, at: int = who) -> str:
-            return number(float(table[quantity].values[(*index, at)]), digits)
+            place = (*index, at)
+            value = float(table[quantity].values[place])
+            return with_error(value, table.error(quantity, place), digits)
 
         yield f"{own}uplift force [N]", lambda i, f=single: f(i, "uplift_force", 1)
         yield f"{own}mean [N]", lambda i, f=force: f(i, "mean")
@@ -214,7 +217,10 @@ def _columns(table: StudyTable) -> Any:
                 yield (
                     f"{own}σ {band.replace('_', '–')} Hz [N]",
                     lambda i, w=who, b=at, c=f"std_{band}": marked(
-                        number(float(table["std"].values[(*i, w, kind, b)])),
+                        with_error(
+                            float(table["std"].values[(*i, w, kind, b)]),
+                            table.error("std", (*i, w, kind, b)),
+                        ),
                         is_carried=table.carries(i, c),
                     ),
                 )
@@ -227,7 +233,12 @@ def _columns(table: StudyTable) -> Any:
                 f(i, "loss_percent", 2), is_carried=table.carries(i, "losses")
             ),
         )
-    yield "uplift [mm]", lambda i: number(1e3 * float(table["uplift_max"].values[i]))
+    yield (
+        "uplift [mm]",
+        lambda i: with_error(
+            1e3 * float(table["uplift_max"].values[i]), 1e3 * table.error("uplift_max", i)
+        ),
+    )
 
 
 def _definition(table: StudyTable) -> Section:

@@ -16,6 +16,15 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Link:
+    """A line that leads to another section of the page; paper leaves it out."""
+
+    text: str
+    section: str
+    kind: ClassVar[str] = "link"
+
+
+@dataclass(frozen=True)
 class Heading:
     """A heading inside a section."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from tautwire.results.conditions import ConditionState, Extreme
+from tautwire.results.design.conditions import ConditionState, Extreme
 from tautwire.text import csv_text
 
 SAME_TENSION = 1e-3

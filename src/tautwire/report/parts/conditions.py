@@ -11,22 +11,23 @@ from pydantic import BaseModel
 
 from tautwire.report.parts.blocks import Cell, Columns, Details, Heading, Section, Table, Text
 from tautwire.report.parts.views import RunView
-from tautwire.report.parts.words import compact, counted, listing, number, quantity
+from tautwire.report.parts.words import MISSING, compact, counted, listing, number, quantity
 from tautwire.specs.base import Quantity
 from tautwire.specs.case import Case, Source
 from tautwire.specs.line.support import Supports
 
-GROUPS = ("track", "line", "wires", "supports", "droppers", "irregularities", "pantographs",
-          "scenario", "settings")  # fmt: skip
+GROUPS = ("track", "line", "wires", "supports", "droppers", "bodies", "stays", "irregularities",
+          "pantographs", "scenario", "settings")  # fmt: skip
 LONG = 12
 """Lists with more items than this are shortened."""
+
+MOST_DIFFERENCES = 12
+"""Inputs that differ between runs and are shown at once; with more, results move out of sight."""
 
 
 def conditions_section(views: Sequence[RunView]) -> Section:
     """Write the section about everything that the numbers depend on."""
     blocks: list[object] = [conventions_table(views)]
-    if len(views) > 1:
-        blocks += [Heading("What differs between the runs"), _differences_table(views)]
     blocks.append(Heading("Inputs"))
     blocks.append(
         Text(
@@ -36,7 +37,7 @@ def conditions_section(views: Sequence[RunView]) -> Section:
         )
     )
     for view in views:
-        blocks += _input_blocks(view, many=len(views) > 1)
+        blocks += input_blocks(view.run.case, view.label if len(views) > 1 else "")
     tables = (_cost_table(views), _provenance_table(views))
     blocks.append(Heading("Cost and provenance"))
     blocks += [Columns(tables)] if len(views) == 1 else tables
@@ -74,6 +75,7 @@ def _conventions(view: RunView) -> dict[str, str]:
         "wire ends": f"{line.ends.left} (left), {line.ends.right} (right)",
         "steady arms": "none" if supports.closure == "spring" else _arms(supports),
         "uplift stops": _stops(supports),
+        "cantilevers": _cantilevers(supports),
         "messenger wire along the track": supports.messenger_longitudinal,
         "mesh": settings.mesh(),
         "time step": f"{1e3 * settings.step():g} ms",
@@ -99,6 +101,12 @@ def _arms(supports: Supports) -> str:
 def _stops(supports: Supports) -> str:
     gaps = sorted({k.stop.gap if k.stop is not None else 0.0 for k in supports.kinds()})
     return listing([f"gap {1e3 * gap:g} mm" if gap else "none" for gap in gaps])
+
+
+def _cantilevers(supports: Supports) -> str:
+    told = [k.cantilever.told() for k in supports.kinds() if k.cantilever is not None]
+    rigid = ["rigid"] if len(told) < len(supports.kinds()) else []
+    return " or ".join(dict.fromkeys([*told, *rigid]))
 
 
 def _irregularities(view: RunView) -> str:
@@ -177,9 +185,8 @@ def _plain(value: Any) -> str:
     return ", ".join(shown) + (f", … {counted(rest, 'more value')}" if rest > 0 else "")
 
 
-def _input_blocks(view: RunView, *, many: bool) -> list[object]:
-    """Write inputs and sources of one run, folded away."""
-    case = view.run.case
+def input_blocks(case: Case, label: str = "") -> list[object]:
+    """Write inputs and sources of one case, folded away; of several, each with its label."""
     paths = [source.path for source in case.sources]
     groups = _grouped(case.sources)
     marks = {path: n for n, (_, _, members) in enumerate(groups, 1) for path in members}
@@ -198,12 +205,12 @@ def _input_blocks(view: RunView, *, many: bool) -> list[object]:
             for n, (text, confidence, members) in enumerate(groups, 1)
         ),
     )
-    name = f"{view.label}: inputs" if many else "All inputs"
+    name = f"{label}: inputs" if label else "All inputs"
     blocks: list[object] = [Details(f"{name} ({len(rows)} values)", (inputs,))]
     if not case.sources:
         blocks.append(Text("The case names no sources for its values.", "note"))
-    elif many:
-        blocks.append(Details(f"{view.label}: sources", (listed,)))
+    elif label:
+        blocks.append(Details(f"{label}: sources", (listed,)))
     else:
         blocks.insert(0, listed)
     return blocks
@@ -231,16 +238,34 @@ def source_of(path: str, sources: Sequence[str]) -> int | None:
     return found
 
 
-def _differences_table(views: Sequence[RunView]) -> Table:
-    values = [dict(input_values(view.run.case)) for view in views]
+def difference_blocks(views: Sequence[RunView]) -> list[object]:
+    """List the inputs that are not the same in all runs; many of them are folded away."""
+    values = [_with_whole_items(dict(input_values(view.run.case))) for view in views]
     paths = dict.fromkeys(path for column in values for path in column)
+    cells = [(path, tuple(column.get(path) for column in values)) for path in paths]
+    differing = [(path, texts) for path, texts in cells if len(set(texts)) > 1]
+    gone = [path for path, texts in differing if None in texts]
     rows = [
-        (path, *(column.get(path, number(None)) for column in values))
-        for path in paths
-        if len({column.get(path) for column in values}) > 1
+        (path, *(MISSING if text is None else text for text in texts))
+        for path, texts in differing
+        if not any(path != whole and path.startswith(f"{whole}.") for whole in gone)
     ]
+    head, align = ("input", *(view.label for view in views)), "l" * (1 + len(views))
     caption = "Inputs that are not the same in all runs." if rows else "All inputs are the same."
-    return Table(caption, ("input", *(v.label for v in views)), "l" * (1 + len(views)), tuple(rows))
+    blocks: list[object] = [Table(caption, head, align, tuple(rows[:MOST_DIFFERENCES]))]
+    if rest := tuple(rows[MOST_DIFFERENCES:]):
+        blocks.append(
+            Details(f"{counted(len(rest), 'more difference')}", (Table("", head, align, rest),))
+        )
+    return blocks
+
+
+def _with_whole_items(values: dict[str, str]) -> dict[str, str]:
+    """Add items of lists as a whole, so that one which a run lacks is told in one row."""
+    wholes = {
+        match[0]: "given" for path in values for match in re.finditer(r"^.*?\[\d+\](?=\.)", path)
+    }
+    return {**wholes, **values}
 
 
 def _cost_table(views: Sequence[RunView]) -> Table:

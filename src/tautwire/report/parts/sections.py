@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tautwire.analyses.force.statistics import uniform_shares
+from tautwire.report.drawing import Drawing
 from tautwire.report.figures import animation, force_figures, line_figures
 from tautwire.report.figures.loss_figures import irregularity_figure
 from tautwire.report.parts import published
@@ -22,14 +22,12 @@ from tautwire.report.parts.blocks import (
     Table,
     Text,
 )
+from tautwire.report.parts.fitting_words import BODY_HEAD, STAY_HEAD, body_rows, stay_rows
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.bands import WIDEST
 from tautwire.specs.line.catenary import Line
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 MOST_ROWS = 400
 """Longest table of the page."""
@@ -42,15 +40,14 @@ def script_safe(text: str) -> str:
 
 def chart(
     name: str,
-    figure: go.Figure,
+    figure: Drawing,
     caption: str,
     summary: str,
     buttons: tuple[Button, ...] = (),
 ) -> Chart:
     """Turn a figure into a block of the page."""
-    content = str(figure.to_json())
-    layout: Any = figure.layout
-    return Chart(name, script_safe(content), caption, summary, int(layout.height or 400), buttons)
+    height = int(figure.layout.get("height", 400))
+    return Chart(name, script_safe(figure.to_json()), caption, summary, height, buttons)
 
 
 def line_section(views: Sequence[RunView]) -> Section:
@@ -62,7 +59,7 @@ def line_section(views: Sequence[RunView]) -> Section:
     blocks: list[object] = [
         chart(
             "line",
-            line_figures.line_figure(view),
+            line_figures.line_figure(view.run.case, shape, view.statistics.section.first_span),
             "Static line: side view; sag of the contact wire below the straight line between its "
             f"supports (pre-sag at the droppers); plan view with stagger. {exaggerated}{which}",
             "Side view, sag and plan view of the static line with droppers and steady arms.",
@@ -72,8 +69,12 @@ def line_section(views: Sequence[RunView]) -> Section:
     ]
     if shape.arm_supports.size:
         blocks.append(
-            Details("Steady arms: forces and inclination", (_arm_table(view.run.case.line, shape),))
+            Details("Steady arms: forces and inclination", (arm_table(view.run.case.line, shape),))
         )
+    if rows := body_rows(view.run.case, shape):
+        blocks.append(Details("Bodies in the line of wires", (_body_table(rows),)))
+    if rows := stay_rows(view.run.case, shape):
+        blocks.append(Details("Stays", (_stay_table(rows),)))
     blocks += _irregularity_blocks(views)
     blocks.append(
         Text(
@@ -106,12 +107,18 @@ def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
 
 
 def position_buttons(view: RunView) -> tuple[Button, ...]:
-    """Return buttons for the section, the whole line and two spans of its middle."""
-    x, part = view.run.equilibrium.mast_x, view.statistics.section
-    middle = (part.first_span + part.last_span) // 2
+    """Return buttons for the section of a run, its whole line and two spans of its middle."""
+    part = view.statistics.section
+    return spans_buttons(view.run.equilibrium, part.first_span, part.last_span)
+
+
+def spans_buttons(shape: Equilibrium, first: int, last: int) -> tuple[Button, ...]:
+    """Return buttons for the spans from first to last, the whole line and two spans between."""
+    x, middle = shape.mast_x, (first + last) // 2
     ends = (float(x[0]), float(x[-1]))
     two = (float(x[middle - 1]), float(x[min(middle + 1, x.size - 1)]))
-    ranges = {"analysed section": view.section, "whole line": ends, "two spans": two}
+    section = (float(x[first - 1]), float(x[last]))
+    ranges = {"analysed section": section, "whole line": ends, "two spans": two}
     buttons = []
     for label, (low, high) in ranges.items():
         margin = 0.02 * (high - low)
@@ -145,7 +152,8 @@ def dropper_table(shape: Equilibrium) -> Table:
     )  # fmt: skip
 
 
-def _arm_table(line: Line, shape: Equilibrium) -> Table:
+def arm_table(line: Line, shape: Equilibrium) -> Table:
+    """List the steady arms of the static line."""
     held = shape.arm_supports - 1
     rows = [
         (
@@ -166,6 +174,25 @@ def _arm_table(line: Line, shape: Equilibrium) -> Table:
         "Steady arms; tension is positive, the angle when the far end is above the wire.",
         ("support", "wire", "force [N]", "angle [°]"),
         "llrr",
+        tuple(rows[:MOST_ROWS]),
+    )
+
+
+def _body_table(rows: list[tuple[str, ...]]) -> Table:
+    return Table(
+        "Splices and insulators, with the mass that they have in place of the wire and at its "
+        "ends; heights at rest.",
+        tuple(head.replace("\n", " ") for head in BODY_HEAD),
+        "llrrrrr",
+        tuple(rows[:MOST_ROWS]),
+    )
+
+
+def _stay_table(rows: list[tuple[str, ...]]) -> Table:
+    return Table(
+        "Stays of wires at rest; they carry nothing in the design, a pull is positive.",
+        tuple(head.replace("\n", " ") for head in STAY_HEAD),
+        "llrrr",
         tuple(rows[:MOST_ROWS]),
     )
 
@@ -352,7 +379,7 @@ def elasticity_section(views: Sequence[RunView]) -> Section:
     case = views[0].run.case
     block = chart(
         "elasticity",
-        line_figures.elasticity_figure(given, views[0].run),
+        line_figures.elasticity_figure(given, case.line, views[0].run.equilibrium),
         f"Static uplift per vertical force, under {listing(forces)}, at supports (squares), "
         f"droppers (circles) and between (crosses). Non-uniformity (max − min)/(max + min): "
         f"{uneven}. Ends {case.line.ends.left}/{case.line.ends.right}, closure "

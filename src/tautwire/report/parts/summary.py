@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from tautwire.assessment.checks import Check
+from tautwire.report.figures.animation import filmed
 from tautwire.report.figures.line_figures import highest_support
 from tautwire.report.parts import published
 from tautwire.report.parts.blocks import (
@@ -15,11 +17,13 @@ from tautwire.report.parts.blocks import (
     Heading,
     Key,
     Keys,
+    Link,
     Section,
     Table,
     Text,
     Verdict,
 )
+from tautwire.report.parts.conditions import difference_blocks
 from tautwire.report.parts.views import RunView, Series, series
 from tautwire.report.parts.words import (
     MISSING,
@@ -36,6 +40,12 @@ from tautwire.results.accuracy import error_of
 from tautwire.results.statistics import FilteredStatistics, PantographStatistics
 from tautwire.text import marked
 
+_KNOWN = {
+    "seen": "a document that was read",
+    "secondary source": "documents that quote the standard",
+    "memory": "memory, without a document",
+}
+"""Confidence of a limit in words."""
 BANDS = ("0_2", "0_5", "5_20", "0_20", "0_50", "0_100", "0_200")
 
 
@@ -52,14 +62,21 @@ def summary_section(views: Sequence[RunView], found: Sequence[Sequence[Check]]) 
     blocks: list[object] = []
     cautions = tuple(line for view in views for line in _cautions(view, many=len(views) > 1))
     blocks += [Callout(cautions)] if cautions else []
+    if len(views) > 1:
+        blocks += [Heading("What differs between the runs"), _beside_each_other(views)]
+        blocks += [*difference_blocks(views), Heading("Results")]
     blocks += [Text(_statement(view, many=len(views) > 1), "statement") for view in views]
     if len(shown) == 1 and math.isfinite(statistics_of(shown[0]).headline.mean):
         blocks.append(_keys(views[0]))
+    if filmed(views):
+        blocks.append(Link("See the passage move", "animation"))
     tables = (_force_table(shown), _passage_table(shown))
     blocks += [Columns(tables)] if len(shown) == 1 else tables
     blocks += [Text(_filter_statement(shown), "note"), Heading("Limits")]
     blocks.append(Text(_verdict_statement(found), "plain"))
     blocks.append(_check_table(views, found))
+    notes = _limit_notes(found)
+    blocks += [Text(notes, "note")] if notes else []
     compared = [b for v in views for b in published.force_blocks(v, named=len(views) > 1)]
     blocks += [Heading("Published results"), *compared] if compared else []
     return Section("summary", "Summary", tuple(blocks))
@@ -121,6 +138,87 @@ def _force_sentence(entry: PantographStatistics) -> str:
         f"{quantity(1e3 * loss.longest, 'ms')}"
     )
     return f"{text}; {marked(losses, is_carried=loss.is_carried)}"
+
+
+def _beside_each_other(views: Sequence[RunView]) -> Table:
+    """Put results side by side, and figures of the lines where they differ."""
+    lines, results = [_line_figures(v) for v in views], [_result_figures(v) for v in views]
+    rows = []
+    for columns in (lines, results):
+        for name in dict.fromkeys(name for column in columns for name in column):
+            found = [column.get(name, _Figure(math.nan, MISSING)) for column in columns]
+            if columns is results or len({figure.text for figure in found}) > 1:
+                texts = (f"{one.text}{_change(one.value, found[0].value)}" for one in found)
+                rows.append((name, *texts))
+    return Table(
+        caption="Lines and results; in brackets the difference from the first run. Forces are "
+        "those of the leading pantograph, with the headline filter.",
+        head=("", *(view.label for view in views)),
+        align="l" + "r" * len(views),
+        rows=tuple(rows),
+    )
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """A number and how it is written."""
+
+    value: float
+    text: str
+
+
+def _line_figures(view: RunView) -> dict[str, _Figure]:
+    """Return the figures by which lines are told apart."""
+    case, data = view.run.case, view.elasticity
+    spans, wires = case.line.span_lengths(), case.wires
+    ratio = case.scenario.speed / wires.contact.wave_speed()
+    found = {
+        "spans": (float(len(spans)), "", 0),
+        "shortest span": (min(spans), "m", 1),
+        "longest span": (max(spans), "m", 1),
+        **{f"tension, {name}": (1e-3 * wire.tension, "kN", 2) for name, wire in wires.named()},
+        "speed": (3.6 * case.scenario.speed, "km/h", 0),
+        "speed over wave speed": (ratio, "", 3),
+    }
+    if data is not None:
+        found |= {
+            "least elasticity": (1e3 * float(data.elasticity.min()), "mm/N", 3),
+            "largest elasticity": (1e3 * float(data.elasticity.max()), "mm/N", 3),
+            "non-uniformity of the elasticity": (1e2 * data.nonuniformity, "%", 1),
+        }
+    return {
+        name: _Figure(value, quantity(value, unit, digits))
+        for name, (value, unit, digits) in found.items()
+    }
+
+
+def _result_figures(view: RunView) -> dict[str, _Figure]:
+    """Return what a passage is judged by, of its leading pantograph."""
+    entry = view.statistics.pantographs[0]
+    part, loss = entry.headline, entry.contact_loss
+    forces = {
+        "standard deviation": part.standard_deviation,
+        "largest force": part.maximum,
+        "smallest force": part.minimum,
+    }
+    uplift = 1e3 * view.statistics.uplift.maximum
+    return {
+        "mean contact force": _Figure(part.mean, quantity(part.mean, "N")),
+        **{
+            name: _Figure(value, f"{_headline_cell(part, value)} N")
+            for name, value in forces.items()
+        },
+        "largest uplift at a support": _Figure(uplift, quantity(uplift, "mm")),
+        "contact loss": _Figure(loss.percent, _if_seen(entry, quantity(loss.percent, "%", 3))),
+    }
+
+
+def _change(value: float, first: float) -> str:
+    """Return the difference from the first run as a share of it; nothing where there is none."""
+    if not (math.isfinite(value) and math.isfinite(first)) or first == 0.0:
+        return ""
+    share = number(100.0 * (value / first - 1.0))
+    return "" if share == number(0.0) else f" ({'+' if value > first else ''}{share} %)"
 
 
 def _short(kind: str) -> str:
@@ -255,26 +353,26 @@ def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
     if not every:
         return "No limit applies to this speed and supply system."
     unverified = [check for check in every if not check.verified]
-    failed = [check.name for check in every if check.passed is False]
+    failed = list(dict.fromkeys(check.name for check in every if check.passed is False))
     outside = list(dict.fromkeys(c.name for c in unverified if c.within is False))
     parts = []
     if failed:
-        parts.append(f"Not passed: {listing(list(dict.fromkeys(failed)))}.")
+        parts.append(f"Not within: {listing(failed)}.")
     if len(unverified) == len(every):
         parts.append(
-            "None of the limits below has been compared with the text of its standard, so no "
-            "verdict is given."
+            "None of the limits below was checked against the text of its standard, so no verdict "
+            "is given."
         )
     elif unverified:
         parts.append(
-            f"Of {len(every)} limits, {len(unverified)} could not be compared with the text of "
-            "the standard; there no verdict is given."
+            f"Of {len(every)} limits, {len(unverified)} were not checked against the text of the "
+            "standard; there no verdict is given."
         )
     if any(check.within is not None for check in unverified):
         parts.append(
-            f"As remembered, outside: {listing(outside)}."
+            f"Beside the limits that were not checked, not within: {listing(outside)}."
             if outside
-            else "As remembered, every value lies within."
+            else "Beside the limits that were not checked, every value lies within."
         )
     known = dict.fromkeys(f"{check.name[:1].upper()}{check.name[1:]}: {check.explanation}."
                           for check in every if check.explanation)  # fmt: skip
@@ -295,27 +393,36 @@ def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> 
                     marked(readable(check.value, check.unit), is_carried=check.is_carried),
                     f"{sign} {readable(check.limit, check.unit)}",
                     _standard(check),
-                    check.confidence,
                     _within(check),
-                    Verdict(check.verdict, check.verdict.replace("no value", "unverified")),
+                    Verdict(check.words, check.verdict.replace("no value", "unverified")),
                 )
             )
     return Table(
-        caption="Limits. A limit that nobody has compared with the standard's text is "
-        "“unverified”, whether the value lies within it or not. Forces are those of the headline "
-        "filter.",
-        head=("criterion", "value", "limit", "standard", "known from", "as remembered", "verdict"),
-        align="lrrllll",
+        caption="Limits. No verdict is given beside a limit that nobody has checked against the "
+        "text of its standard, whether the value lies within it or not. Forces are those of the "
+        "headline filter.",
+        head=("criterion", "value", "limit", "standard", "value is", "verdict"),
+        align="lrrlll",
         rows=tuple(rows),
+    )
+
+
+def _limit_notes(found: Sequence[Sequence[Check]]) -> str:
+    """Say where the limits that nobody checked are known from."""
+    known: dict[str, list[str]] = {}
+    for check in (check for row in found for check in row if not check.verified):
+        known.setdefault(_KNOWN.get(check.confidence, check.confidence), []).append(check.name)
+    return " ".join(
+        f"Limits known from {how}: {'; '.join(dict.fromkeys(names))}."
+        for how, names in known.items()
     )
 
 
 def _standard(check: Check) -> str:
     edition = f"{check.standard}:{check.edition}" if check.edition else check.standard
-    return f"{edition}, {check.clause}" if check.clause else edition
+    text = f"{edition}, {check.clause}" if check.clause else edition
+    return f"{text}; checked by {check.checked_by}, {check.checked_on}" if check.verified else text
 
 
 def _within(check: Check) -> str:
-    if check.within is None:
-        return number(None)
-    return "within" if check.within else "outside"
+    return {None: MISSING, True: "within", False: "not within"}[check.within]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from tautwire.results.accuracy import last_place
+
 MISSING = "–"
 SPACE = "\N{NO-BREAK SPACE}"
 
@@ -51,11 +53,7 @@ def with_error(value: float | None, error: float, digits: int = 1) -> str:
     """
     if value is None or not math.isfinite(value) or not math.isfinite(error):
         return number(value, digits)
-    place = -digits
-    if error > 0.0:
-        place = math.floor(math.log10(error))
-        place -= error < 2.0 * 10.0**place
-    place = max(place, -digits)
+    place = max(last_place(error), -digits) if error > 0.0 else -digits
     unit = 10.0**place
     width = math.ceil(error / unit - 1e-9) * unit  # what rounding has added is taken off first
     decimals = max(0, -place)

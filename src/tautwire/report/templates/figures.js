@@ -11,10 +11,27 @@
   const specification = (chart) =>
     JSON.parse(document.getElementById(`${chart.id}-data`).textContent);
 
+  /* The figures have room for the rows of the legend on a wide screen; a narrow one needs more. */
+  const WIDE = 880, PER_LETTER = 7.2, SYMBOL = 48, ROW = 19;
+  const fitLegend = (chart, data, layout) => {
+    const names = data.filter((t) => t.name && t.showlegend !== false).map((t) => t.name);
+    if (layout.showlegend === false || !names.length) return;
+    const widths = names.map((name) => PER_LETTER * name.length + SYMBOL);
+    const total = widths.reduce((sum, width) => sum + width, 0), widest = Math.max(...widths);
+    const rows = (room) => (total <= room ? 1
+      : Math.ceil(names.length / Math.max(1, Math.floor(room / widest))));
+    const room = chart.clientWidth - layout.margin.l - layout.margin.r;
+    const more = ROW * Math.max(0, rows(Math.min(room, WIDE)) - rows(WIDE));
+    layout.margin.t += more;
+    layout.height += more;
+    chart.style.height = `${layout.height}px`;
+  };
+
   const draw = (chart) => {
     if (chart.dataset.drawn) return;
     chart.dataset.drawn = "yes";
     const { data, layout } = specification(chart);
+    fitLegend(chart, data, layout);
     Plotly.newPlot(chart, data, layout, settings);
   };
 

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from itertools import count
 from typing import Any
 
 from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
+
+BASIC_TRACES = frozenset({"bar", "pie", "scatter"})
+"""Kinds of traces that the basic plotly.js draws."""
 
 
 def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
@@ -23,7 +28,6 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
         Heading, description and key facts.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
-    from plotly.offline import get_plotlyjs
 
     environment = Environment(
         loader=PackageLoader("tautwire.report"),
@@ -32,16 +36,19 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    folder = files("tautwire.report").joinpath("templates")
     own = {
-        name: folder.joinpath(name).read_text(encoding="utf-8")
+        name: _templates().joinpath(name).read_text(encoding="utf-8")
         for name in ("style.css", "figures.js", "animation.js")
     }
-    kinds = {type(block) for part in contents for block in part.blocks}
+    blocks = [block for part in contents for block in part.blocks]
+    charts = [block for block in blocks if isinstance(block, Chart)]
+    charts += [
+        chart for pair in blocks if isinstance(pair, Pair) for chart in (pair.left, pair.right)
+    ]
     scripts = []
-    if kinds & {Chart, Pair}:
-        scripts += [without_addresses(get_plotlyjs()), own["figures.js"]]
-    if Animation in kinds:
+    if charts:
+        scripts += [chart_library(charts), own["figures.js"]]
+    if any(isinstance(block, Animation) for block in blocks):
         scripts.append(own["animation.js"])
     return environment.get_template("page.html.j2").render(
         sections=contents,
@@ -51,6 +58,29 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
         figure_number=count(1).__next__,
         **{"project": None, **masthead},
     )
+
+
+def chart_library(charts: Iterable[Chart]) -> str:
+    """Return the script that draws charts: the smallest plotly.js that has their kinds of traces.
+
+    The library of the Python package has four times the size, for maps, volumes and surfaces; only
+    box plots and heat maps ask for it.
+    """
+    kinds = {trace["type"] for chart in charts for trace in json.loads(chart.json)["data"]}
+    if kinds <= BASIC_TRACES:
+        return without_addresses(basic_library().read_text(encoding="utf-8"))
+    from plotly.offline import get_plotlyjs
+
+    return without_addresses(get_plotlyjs())
+
+
+def basic_library() -> Traversable:
+    """Return the file of the basic plotly.js, its licence beside it."""
+    return _templates().joinpath("plotly", "plotly-basic.min.js")
+
+
+def _templates() -> Traversable:
+    return files("tautwire.report").joinpath("templates")
 
 
 def script_hash(script: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.errors import InputError, not_installed
-from tautwire.report.parts.blocks import Animation, Chart, Details, Pair, Section
+from tautwire.report.parts.blocks import Animation, Chart, Details, Link, Pair, Section
 from tautwire.report.writers.drawing.figure import figure_svg
 from tautwire.specs.project import image_of
 from tautwire.text import printable
@@ -119,6 +119,8 @@ class _Page:
         return sections
 
     def _written(self, block: Any) -> list[dict[str, Any]]:
+        if isinstance(block, Link):
+            return []
         if isinstance(block, Chart):
             return [{"kind": "figures", "figures": [self._chart(block, WIDTH)]}]
         if isinstance(block, Pair):

@@ -351,8 +351,8 @@ def _equilibrium(file: h5netcdf.File, case: Case) -> Equilibrium:
     shape = Equilibrium(track=alignment(case.track, case.line), **found)
     wires, spans = len(shape.wire_names), case.line.spans
     _require("contact" in shape.wire_roles, "no contact wire")
-    _require_numbers("wire of a node", shape.node_wire, 0, wires - 1)
-    nodes = np.bincount(shape.node_wire, minlength=wires)
+    _require_numbers("wire of a node", shape.node_wire, -1, wires - 1)
+    nodes = np.bincount(shape.node_wire[shape.node_wire >= 0], minlength=wires)
     _require(np.all(nodes >= 2), "a wire needs two nodes")
     _require(shape.position.size == 6 * shape.node_s.size, "number of nodal coordinates")
     _require(shape.cable_lengths.size == np.sum(nodes - 1), "number of wire elements")

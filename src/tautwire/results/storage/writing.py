@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.results.layout import FORMAT, FORMAT_VERSION, Entry
 from tautwire.results.provenance import provenance
 from tautwire.results.run import ContactEvents, PantographRecord, Run
+from tautwire.results.storage.netcdf import Group, created
 from tautwire.results.storage.seal import sealed
 from tautwire.specs.case import Case
-
-if TYPE_CHECKING:
-    import h5netcdf
 
 PathLike = str | os.PathLike[str]
 
@@ -57,17 +55,17 @@ def run_image(run: Run, elasticity: Elasticity | None = None) -> bytes:
         }
         if run.accuracy is not None:
             attributes["accuracy"] = _to_json(run.accuracy.as_dict())
-        file.attrs.update(attributes)
+        file.describe(attributes)
         _write_axes(file, run)
         _write_entries(file, layout.RUN, run)
         _write_entries(file, layout.DROPPERS, run.droppers)
         _write_pantographs(file, run.pantographs)
-        _write_entries(file.create_group("snapshots"), layout.SNAPSHOTS, run.snapshots)
+        _write_entries(file.group("snapshots"), layout.SNAPSHOTS, run.snapshots)
         _write_static(file, run.equilibrium, elasticity)
         if run.events is not None:
-            _write_events(file.create_group("events"), run.events)
+            _write_events(file.group("events"), run.events)
         if run.irregularities is not None:
-            group = file.create_group("irregularities")
+            group = file.group("irregularities")
             _write_entries(group, layout.IRREGULARITIES, run.irregularities)
     return sealed(image.getvalue())
 
@@ -102,15 +100,9 @@ def save_equilibrium(
 @contextmanager
 def _created(
     image: io.BytesIO, kind: str, case: Case, origin: Mapping[str, Any]
-) -> Iterator[h5netcdf.File]:
-    """Open a file in memory, with its root attributes.
-
-    In memory, because HDF5 cannot be trusted with a disk that is full: closing a file whose data
-    could not be flushed ends the process.
-    """
-    import h5netcdf
-
-    with h5netcdf.File(image, "w") as file:
+) -> Iterator[Group]:
+    """Open a file in memory, with its root attributes."""
+    with created(image) as file:
         attributes = {
             "title": case.title or case.name,
             "format": FORMAT,
@@ -119,7 +111,7 @@ def _created(
             "case": case.model_dump_json(by_alias=True),
             "provenance": _to_json(origin),
         }
-        file.attrs.update(attributes)
+        file.describe(attributes)
         yield file
 
 
@@ -136,36 +128,20 @@ def _to_json(value: Any) -> str:
     return json.dumps(value if not isinstance(value, Mapping) else dict(value), default=plain)
 
 
-def _write(group: h5netcdf.Group, entry: Entry, data: Any) -> None:
-    """Write one variable, creating the dimensions it is the first to use."""
-    import h5py
-
+def _write(group: Group, entry: Entry, data: Any) -> None:
+    """Write one variable."""
     values = np.asarray(data)
-    for name, size in zip(entry.dimensions, values.shape, strict=True):
-        if name not in group.dimensions:
-            group.dimensions[name] = size
-    packing: dict[str, Any] = {}
-    if values.dtype.kind in "UO":
-        values, dtype = values.astype(object), h5py.string_dtype()
-    else:
-        dtype = values.dtype
-        if values.size:
-            packing = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
-    if not entry.dimensions:
-        packing = {}
-    variable = group.create_variable(entry.name, entry.dimensions, dtype, data=values, **packing)
-    variable.attrs["long_name"] = entry.text
-    if values.dtype.kind != "O":
-        variable.attrs["units"] = entry.units
+    units = {} if values.dtype.kind in "UO" else {"units": entry.units}
+    group.write(entry.name, entry.dimensions, values, {"long_name": entry.text, **units})
 
 
-def _write_entries(group: h5netcdf.Group, entries: tuple[Entry, ...], source: Any) -> None:
+def _write_entries(group: Group, entries: tuple[Entry, ...], source: Any) -> None:
     """Write the attributes of ``source`` that ``entries`` list."""
     for entry in entries:
         _write(group, entry, getattr(source, entry.source))
 
 
-def _write_axes(file: h5netcdf.File, run: Run) -> None:
+def _write_axes(file: Group, run: Run) -> None:
     """Write the coordinate variables of the root group."""
     names = np.array([record.name for record in run.pantographs], dtype=object)
     stages = max((record.stage_heights.shape[1] for record in run.pantographs), default=0)
@@ -185,9 +161,9 @@ def _numbers(count: int) -> np.ndarray:
     return np.arange(1, count + 1, dtype=np.int32)
 
 
-def _write_pantographs(file: h5netcdf.File, records: tuple[PantographRecord, ...]) -> None:
+def _write_pantographs(file: Group, records: tuple[PantographRecord, ...]) -> None:
     """Write the histories of all pantographs stacked, missing stages as NaN."""
-    n_time, n_stage = file.dimensions["time"].size, file.dimensions["stage"].size
+    n_time, n_stage = file.size("time"), file.size("stage")
     for entry in layout.PANTOGRAPH:
         wires = records[0].wire_forces.shape[1] if records else 0
         shape = {"time": n_time, "stage": n_stage, "contact_wire": wires}
@@ -204,17 +180,15 @@ def _write_pantographs(file: h5netcdf.File, records: tuple[PantographRecord, ...
     _write(file, layout.STAGE_COUNT, counts)
 
 
-def _write_events(group: h5netcdf.Group, events: ContactEvents) -> None:
+def _write_events(group: Group, events: ContactEvents) -> None:
     """Write the instants at which contacts open and close; pantographs are numbered from 1."""
     values = (events.time, events.pantograph + 1, events.opens.astype(np.int8))
     for entry, data in zip(layout.EVENTS, values, strict=True):
         _write(group, entry, data)
 
 
-def _write_static(
-    file: h5netcdf.File, equilibrium: Equilibrium, elasticity: Elasticity | None
-) -> None:
+def _write_static(file: Group, equilibrium: Equilibrium, elasticity: Elasticity | None) -> None:
     """Write the groups of the static results."""
-    _write_entries(file.create_group("equilibrium"), layout.EQUILIBRIUM, equilibrium)
+    _write_entries(file.group("equilibrium"), layout.EQUILIBRIUM, equilibrium)
     if elasticity is not None:
-        _write_entries(file.create_group("elasticity"), layout.ELASTICITY, elasticity)
+        _write_entries(file.group("elasticity"), layout.ELASTICITY, elasticity)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import starmap
 
 from tautwire.specs.base import Problem
 from tautwire.specs.conditions.condition import Condition, Exposure, WireChange
@@ -41,8 +42,7 @@ def check_conditions(
             text = f"got {one.after!r}; name a condition that is listed before this one"
             problems.append(Problem((*path, "after"), text))
         problems += _check_wire_names(one, wires, path)
-        problems += list(missing_numbers(one, wires, droppers))
-    return problems
+    return problems + missing_numbers(conditions, wires, droppers)
 
 
 def _check_wire_names(one: Condition, wires: Wires, path: Path) -> list[Problem]:
@@ -80,25 +80,37 @@ def _parts(
 
 
 def missing_numbers(
-    one: Condition, wires: Wires, droppers: Droppers | tuple[Droppers, ...]
-) -> Iterator[Problem]:
-    """Yield what a wire does not say and the condition asks for; never assumed."""
-    for at, part, change in _parts(one, wires, droppers):
-        ice = one.ice_on(change, is_dropper=isinstance(part, Droppers))
-        needs = (
-            ("thermal_expansion", one.warming(change) != 0.0, "another temperature"),
-            ("diameter", one.wind_pressure(change) != 0.0, "wind"),
-            ("diameter", ice is not None, "ice"),
+    conditions: Sequence[Condition], wires: Wires, droppers: Droppers | tuple[Droppers, ...]
+) -> list[Problem]:
+    """Return what wires do not say and conditions ask for, each once; it is never assumed."""
+    asked: dict[Path, dict[str, list[str]]] = {}
+    for one in conditions:
+        for at, part, change in _parts(one, wires, droppers):
+            ice = one.ice_on(change, is_dropper=isinstance(part, Droppers))
+            needs = (
+                ("thermal_expansion", one.warming(change) != 0.0, "another temperature"),
+                ("diameter", one.wind_pressure(change) != 0.0, "wind"),
+                ("diameter", ice is not None, "ice"),
+            )
+            for field, is_needed, reason in needs:
+                if is_needed and getattr(part, field) is None:
+                    asked.setdefault((*at, field), {}).setdefault(reason, []).append(one.name)
+    return [
+        Problem(
+            path,
+            f"is missing: {', '.join(starmap(_told, reasons.items()))}; give it, for example "
+            f"{_EXAMPLES[str(path[-1])]}, or take the catalogue's with 'use'",
         )
-        told: set[str] = set()
-        for field, is_needed, reason in needs:
-            if is_needed and getattr(part, field) is None and field not in told:
-                told.add(field)
-                yield Problem(
-                    (*at, field),
-                    f"is missing: the condition {one.name!r} has {reason}; give it, for example "
-                    f"{_EXAMPLES[field]}, or take the catalogue's with 'use'",
-                )
+        for path, reasons in asked.items()
+    ]
+
+
+def _told(reason: str, names: list[str]) -> str:
+    """Return which conditions have a reason to ask for a number."""
+    quoted = ", ".join(repr(name) for name in names)
+    return (
+        f"the condition{'s'[: len(names) > 1]} {quoted} {'have' if names[1:] else 'has'} {reason}"
+    )
 
 
 def check_slowed_waves(

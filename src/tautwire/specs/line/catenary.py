@@ -218,6 +218,19 @@ class Line(Spec):
             s[span + 1] + way - gap if way > gap else s[span] + way / gap * (s[span + 1] - s[span])
         )
 
+    def chainage_at(self, s: float) -> float:
+        """Return the chainage of a place, the reverse of :meth:`distance` [m]."""
+        if self.chainage is None:
+            return s
+        masts = self.support_positions()
+        span = min(max(bisect_right(masts, s) - 1, 0), self.spans - 1)
+        share = (s - masts[span]) / (masts[span + 1] - masts[span])
+        if not 0.0 <= share <= 1.0:
+            sign = 1.0 if self.chainage[-1] > self.chainage[0] else -1.0
+            end = span if share < 0.0 else span + 1
+            return self.chainage[end] + sign * (s - masts[end])
+        return self.chainage[span] + share * (self.chainage[span + 1] - self.chainage[span])
+
     def support_marks(self) -> tuple[str, ...]:
         """Return what stands at each support in a drawing: its mast, or else its number from 1."""
         return self.masts or tuple(str(number) for number in range(1, self.spans + 2))

@@ -7,7 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, TABLE, Problem, Quantity, Spec, form_of, refuse
-from tautwire.specs.line.wire import Diameter, Expansion
+from tautwire.specs.line.catenary import Line
+from tautwire.specs.line.tension import TensionLength
+from tautwire.specs.line.wire import Diameter, Expansion, Wires
 from tautwire.units import UnitError, parse_quantity
 
 Most = Field(max_length=200)
@@ -95,6 +97,10 @@ class Droppers(Spec):
     )
     to: str | None = Field(
         default=None, description="Name of the wire below; 'contact' if left out."
+    )
+    tension_length: str | None = Field(
+        default=None,
+        description="Name of the only tension length in which they hang; in all if left out.",
     )
     about: Literal["span", "mast"] = Field(
         default="span",
@@ -206,3 +212,43 @@ def _by_span(values: tuple[float, ...] | BySpan, spans: int) -> BySpan:
         return rows
     flat = tuple(item for item in values if not isinstance(item, tuple))
     return (flat,) * spans
+
+
+def check_sets(
+    line: Line,
+    wires: Wires,
+    droppers: Droppers | tuple[Droppers, ...],
+    tension_lengths: tuple[TensionLength, ...],
+) -> list[Problem]:
+    """Check that sets name tension lengths of the line and hang where there is a wire above."""
+    names, problems = [one.name for one in tension_lengths], []
+    sets = enumerate(droppers) if isinstance(droppers, tuple) else [(None, droppers)]
+    for index, one in sets:
+        path = ("droppers",) if index is None else ("droppers", index)
+        if one.tension_length is not None and one.tension_length not in names:
+            there = f"there are {', '.join(names)}" if names else "the case has none by name"
+            text = f"got {one.tension_length!r}; {there}"
+            problems.append(Problem((*path, "tension_length"), text))
+        problems += [
+            Problem((*path, "positions"), text) for text in _beside_stitches(line, wires, one)
+        ]
+    return problems
+
+
+def _beside_stitches(line: Line, wires: Wires, one: Droppers) -> list[str]:
+    """Name the first dropper of a set in spans that hangs where no stitch wire is above."""
+    above = dict(wires.named()).get(one.upper)
+    if one.about != "span" or above is None or above.role != "stitch":
+        return []
+    low, high = above.from_ or 0.0, above.to or 0.0
+    for span, row in enumerate(one.positions_by_span(line.spans)[: line.spans]):
+        length = line.span_lengths()[span]
+        for number, x in enumerate(row, 1):
+            on_left, on_right = span > 0 and x <= high, span < line.spans - 1 and x >= length + low
+            if not on_left and not on_right:
+                return [
+                    f"dropper {number} of span {span + 1} at {x:g} m hangs beside the stitch wires "
+                    f"{one.upper!r}, which reach from {low:g} to {high:g} m about the supports "
+                    "between the anchors"
+                ]
+    return []

@@ -8,7 +8,9 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from tautwire.specs.base import LIST, SCALAR, Problem, Quantity, Spec, Typical, form_of, refuse
+from tautwire.specs.line.cantilever import Cantilever
 from tautwire.specs.line.catenary import Line
+from tautwire.specs.line.wire import Wires
 
 Height = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.08 to 5.5 m")]
 Encumbrance = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="1.2 to 1.8 m")]
@@ -123,6 +125,9 @@ class SupportType(Spec):
     messenger_longitudinal: Literal["free", "fixed"] | None = Field(
         default=None, description="Whether it holds the messenger wire along the track."
     )
+    cantilever: Cantilever | None = Field(
+        default=None, description="Where its cantilever gives way, in place of the others'."
+    )
 
 
 class Supports(Spec):
@@ -226,6 +231,12 @@ class Supports(Spec):
         "of the tension. Left out, cantilevers follow the wires without resistance.",
     )
 
+    cantilever: Cantilever | None = Field(
+        default=None,
+        description="Where cantilevers give way elastically, where no type has its own; rigid if "
+        "left out, but for messenger_stiffness.",
+    )
+
     @model_validator(mode="after")
     def _check_closure(self) -> Supports:
         problems = []
@@ -254,8 +265,16 @@ class Supports(Spec):
                     "arm_end_y and arm_end_z for every support",
                 )
             )
-        refuse([*problems, *self._faults_of_types()])
+        refuse([*problems, *self._faults_of_types(), *self._faults_of_cantilevers()])
         return self
+
+    def _faults_of_cantilevers(self) -> Iterator[Problem]:
+        """Name what contradicts the cantilevers of the supports at large and of the types."""
+        yield from _cantilever_faults(self)
+        for index, one in enumerate(self.types):
+            if one.cantilever is not None or one.arm is not None:
+                faults = _cantilever_faults(_as_type(self, one))
+                yield from (problem.under("types", index) for problem in faults)
 
     def _faults_of_types(self) -> Iterator[Problem]:
         """Name types there twice, places of unknown types, shares without their closure."""
@@ -315,6 +334,42 @@ def _as_type(supports: Supports, one: SupportType) -> Supports:
     elif one.lift is not None:
         own["share"] = None
     return supports.model_copy(update=own)
+
+
+def _cantilever_faults(supports: Supports) -> Iterator[Problem]:
+    """Name what the cantilever at a support cannot have beside what else is told of it."""
+    cantilever = supports.cantilever
+    if cantilever is None:
+        return
+    arm, messenger = cantilever.arm, cantilever.messenger
+    if arm is not None and supports.closure == "spring":
+        text = "needs a steady arm, and closure 'spring' has none; leave it out"
+        yield Problem(("cantilever", "arm"), text)
+    elif arm is not None and supports.arm.motion == "vertical":
+        text = "is 'vertical': such an arm holds the wire laterally; take 'swinging'"
+        yield Problem(("arm", "motion"), f"{text}, or leave out cantilever.arm")
+    elif arm is not None and arm.mass + supports.arm.mass * supports.arm.length == 0.0:
+        text = "is missing: neither the arm nor its heel has any; give one of them (8 kg)"
+        yield Problem(("cantilever", "arm", "mass"), text)
+    for name, one in (("arm", arm), ("messenger", messenger)):
+        if one is not None and one.along is not None and supports.hinge is not None:
+            text = "and supports.hinge both say what cantilevers take along the track; keep one"
+            yield Problem(("cantilever", name, "along"), text)
+    is_fixed = supports.messenger_longitudinal == "fixed"
+    if messenger is not None and messenger.along is not None and is_fixed:
+        text = "gives way, and messenger_longitudinal is 'fixed'; keep one of them"
+        yield Problem(("cantilever", "messenger", "along"), text)
+
+
+def check_cantilevers(wires: Wires, supports: Supports) -> list[Problem]:
+    """Check that no cantilever holds a messenger wire that is not there."""
+    own = [(("types", n), one.cantilever) for n, one in enumerate(supports.types)]
+    text = "holds the messenger wire, and there is none; leave it out"
+    return [
+        Problem(("supports", *path, "cantilever", "messenger"), text)
+        for path, one in [((), supports.cantilever), *own]
+        if wires.messenger is None and one is not None and one.messenger is not None
+    ]
 
 
 def _per_support(value: float | Values, supports: int) -> Values:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from tautwire.specs.base import Problem, Quantity, Spec, Typical, refuse
-from tautwire.specs.line.catenary import Device, Ends, EndWord, ends_from_word
+from tautwire.specs.line.catenary import Device, Ends, EndWord, Line, ends_from_word
 
 MastNumber = Annotated[int, Field(ge=1, le=1001, strict=True)]
 
@@ -89,3 +90,37 @@ class Overlap(Spec):
     def possible_spans(self) -> tuple[int, ...]:
         """Return how many spans the two tension lengths may share."""
         return (_SPANS[self.kind],) if self.kind else tuple(_SPANS.values())
+
+
+def check_tension_lengths(
+    line: Line, tension_lengths: tuple[TensionLength, ...], overlaps: tuple[Overlap, ...]
+) -> list[Problem]:
+    """Check that tension lengths follow each other, overlap and cover the line."""
+    if not tension_lengths:
+        text = "needs tension_lengths, which it joins"
+        return [Problem(("overlaps",), text)] if overlaps else []
+    supports, problems = line.spans + 1, []
+    ends = (tension_lengths[0].masts[0], tension_lengths[-1].masts[1])
+    if ends != (1, supports):
+        text = f"reach from support {ends[0]} to {ends[1]}; the line has supports 1 to {supports}"
+        problems.append(Problem(("tension_lengths",), text))
+    names = [one.name for one in tension_lengths]
+    problems += [
+        Problem(("tension_lengths", number, "name"), f"got {name!r} again")
+        for number, name in enumerate(names)
+        if name in names[:number]
+    ]
+    joints = len(tension_lengths) - 1
+    if len(overlaps) not in (0, 1, joints):
+        text = f"has {len(overlaps)} entries for {joints} overlaps; give one for all, or one each"
+        problems.append(Problem(("overlaps",), text))
+    for number, (left, right) in enumerate(pairwise(tension_lengths), start=1):
+        shared = left.masts[1] - right.masts[0]
+        given = overlaps[min(number, len(overlaps)) - 1] if overlaps else Overlap()
+        if shared not in given.possible_spans():
+            text = (
+                f"{right.name!r} shares {max(shared, 0)} spans with {left.name!r}; an overlap has "
+                f"{' or '.join(str(n) for n in given.possible_spans())}"
+            )
+            problems.append(Problem(("tension_lengths", number, "masts"), text))
+    return problems

@@ -38,6 +38,9 @@ def case_json_schema() -> JsonSchema:
         "properties": {
             "supports": {"type": "string", "description": "One row per support."},
             "droppers": {"type": "string", "description": "One row per dropper."},
+            "wires": {"type": "string", "description": "One row per wire."},
+            "bodies": {"type": "string", "description": "One row per body in the line of a wire."},
+            "stays": {"type": "string", "description": "One row per stay of a wire."},
         },
         "additionalProperties": False,
     }

@@ -18,12 +18,15 @@ from tautwire.specs.case import Case
 from tautwire.version import __version__
 
 if TYPE_CHECKING:
+    from tautwire.results.accuracy import Accuracy
     from tautwire.studies.execution.setup import Lines
 
 DONE, FAILED = "done", "failed"
 
 STANDARD_TASK = "tautwire.studies.execution.task:simulate_case"
 """Where the function that computes a case is found."""
+
+_FORCES = ("mean", "maximum", "minimum", "statistical_maximum", "statistical_minimum")
 
 Values = dict[str, Any]
 Task = Callable[[Case, bool], tuple[Values, bytes | None]]
@@ -150,13 +153,17 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
                 "loss_percent": loss.percent,
                 "loss_longest": loss.longest,
                 "arc_percent": loss.percent_over(),
+                **_error(run.accuracy, "loss_percent", entry.name, "loss"),
                 "filters": {
-                    kind: _filtered(entry.filtered[kind], advised[kind].advised) for kind in filters
+                    kind: _filtered(entry.filtered[kind], advised[kind].advised)
+                    | _errors(run.accuracy, entry.filtered[kind], entry.name)
+                    for kind in filters
                 },
             }
         )
     values = {
         "uplift_max": statistics.uplift.maximum,
+        **_error(run.accuracy, "uplift_max", "uplift"),
         "dropper_force_max": _largest(statistics.droppers.maximum),
         "dropper_slack_longest": _largest(statistics.droppers.slack_time),
         "advised_cutoff": cutoff,
@@ -201,14 +208,25 @@ def peak_memory() -> float | None:
 def _filtered(part: Any, advised: float) -> Values:
     bands = {f"std_{band}": value for band, value in part.standard_deviations.items()}
     return {
-        "mean": part.mean,
-        "maximum": part.maximum,
-        "minimum": part.minimum,
-        "statistical_maximum": part.statistical_maximum,
-        "statistical_minimum": part.statistical_minimum,
+        **{name: getattr(part, name) for name in _FORCES},
         **bands,
         "std_advised": advised,
     }
+
+
+def _errors(accuracy: Accuracy | None, part: Any, who: str) -> Values:
+    """Return the numerical errors of the statistics through one filter."""
+    names = {name: name for name in _FORCES}
+    names |= {f"std_{band}": band for band in part.standard_deviations}
+    found: Values = {}
+    for column, name in names.items():
+        found |= _error(accuracy, column, who, part.kind, name)
+    return found
+
+
+def _error(accuracy: Accuracy | None, column: str, *path: str) -> Values:
+    """Return the numerical error of a column; nothing where none was asked for."""
+    return {} if accuracy is None else {f"{column}_error": accuracy.of(*path)}
 
 
 def _largest(values: Any) -> float:

@@ -6,10 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from tautwire.analyses.road.conditions import examine, state_of
+from tautwire.analyses.design.conditions import examine, state_of
 from tautwire.analyses.road.shape import find_shape
 from tautwire.assessment.design.checks import DesignCheck, design_checks
 from tautwire.assessment.design.lateral import known_gauge
+from tautwire.assessment.limits import limits_of
 from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
 from tautwire.cli.about import computation, program
 from tautwire.cli.session import REFUSED, Answer
@@ -37,6 +38,7 @@ def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
     known_gauge(case.requirements.gauge)
+    limits_of(case)
     quantities, amount = wave_quantities(case), size(case)
     advice, design = _examined(case)
     answer.document.update(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tautwire.results.conditions import ConditionState
+from tautwire.results.design.conditions import ConditionState
 
 HEAD = (
     "condition", "defects", "height, most [mm]", "at x [m]", "dropper force, most [N]",

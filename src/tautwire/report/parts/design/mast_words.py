@@ -7,19 +7,24 @@ from collections.abc import Sequence
 
 from tautwire.analyses.design.masts import Masts
 from tautwire.analyses.design.supports import Installed, totals
+from tautwire.specs.line.catenary import Line
 from tautwire.text import csv_text
 
 FORCE_HEAD = ("support", "x\n[m]", "vertical\n[N]", "lateral\n[N]", "along\n[N]")
 CLEARANCE_HEAD = ("structure", "condition", "wire", "x\n[m]", "left\n[mm]", "needed\n[mm]", "")
 
 
-def force_rows(masts: Masts) -> list[tuple[str, ...]]:
-    """Return one row per support: least and largest sum of the wires' forces over all states."""
+def force_rows(masts: Masts, line: Line) -> list[tuple[str, ...]]:
+    """Return one row per support: least and largest sum of the wires' forces over all states.
+
+    Supports are named by their masts, where these have names.
+    """
+    marks = line.support_marks()
     per_state = [totals(one.forces) for one in masts.states]
     rows = []
     for same in zip(*per_state, strict=True):
         parts = ([getattr(one, name) for one in same] for name in ("vertical", "lateral", "along"))
-        rows.append((str(same[0].support), f"{same[0].x:g}", *map(_extent, parts)))
+        rows.append((marks[same[0].support - 1], f"{same[0].x:g}", *map(_extent, parts)))
     return rows
 
 
@@ -35,20 +40,23 @@ def installation_head(masts: Masts, chosen: slice) -> tuple[str, ...]:
 
 
 def installation_rows(
-    masts: Masts, chosen: slice, wires: Sequence[str] | None = None
+    masts: Masts, line: Line, chosen: slice, wires: Sequence[str] | None = None
 ) -> list[tuple[str, ...]]:
     """Return one row per cantilever and weight, in millimetres.
 
     Parameters
     ----------
     masts
+    line
+        Names its supports.
     chosen
         Which temperatures.
     wires
         Whose cantilevers are told; all by default. Weights always are.
     """
+    marks = line.support_marks()
     return [
-        (str(one.support), f"{one.wire}, {one.what}", *map(_offset, one.offsets[chosen]))
+        (marks[one.support - 1], f"{one.wire}, {one.what}", *map(_offset, one.offsets[chosen]))
         for one in masts.installation
         if wires is None or one.wire in wires or one.what == "weight"
     ]
@@ -107,16 +115,21 @@ def clearance_rows(masts: Masts) -> list[tuple[str, ...]]:
     return rows
 
 
-def supports_csv(masts: Masts) -> str:
-    """Return the force of every wire on every support in every state as CSV."""
-    head = ("condition", "support", "x [m]", "wire", "held by", "lateral position [m]",
-            "height [m]", "along [N]", "lateral [N]", "vertical [N]")  # fmt: skip
+def supports_csv(masts: Masts, line: Line) -> str:
+    """Return the force of every wire on every support in every state as CSV.
+
+    With the names and the chainage of the masts, where the line has them.
+    """
+    head = ("condition", "support", *_place_head(line), "x [m]", "wire", "held by",
+            "lateral position [m]", "height [m]", "along [N]", "lateral [N]",
+            "vertical [N]")  # fmt: skip
     return csv_text(
         head,
         (
             (
                 state.condition,
                 one.support,
+                *_place(line, one.support),
                 f"{one.x:.4f}",
                 one.wire,
                 one.held_by,
@@ -130,13 +143,26 @@ def supports_csv(masts: Masts) -> str:
     )
 
 
-def installation_csv(masts: Masts) -> str:
+def _place_head(line: Line) -> tuple[str, ...]:
+    names = {"mast": line.masts, "chainage [m]": line.chainage}
+    return tuple(name for name, given in names.items() if given is not None)
+
+
+def _place(line: Line, support: int) -> tuple[str, ...]:
+    mast = () if line.masts is None else (line.masts[support - 1],)
+    chainage = () if line.chainage is None else (f"{line.chainage[support - 1]:.4f}",)
+    return (*mast, *chainage)
+
+
+def installation_csv(masts: Masts, line: Line) -> str:
     """Return the installation table as CSV, one column per temperature [mm]."""
     names = zip(masts.conditions, masts.temperatures, strict=True)
-    head = ("support", "x [m]", "wire", "what", *(f"{n}, {t:g} degC [mm]" for n, t in names))
-    return csv_text(head, (_installed(one) for one in masts.installation))
+    told = (f"{n}, {t:g} degC [mm]" for n, t in names)
+    head = ("support", *_place_head(line), "x [m]", "wire", "what", *told)
+    return csv_text(head, (_installed(one, line) for one in masts.installation))
 
 
-def _installed(one: Installed) -> tuple[object, ...]:
+def _installed(one: Installed, line: Line) -> tuple[object, ...]:
     offsets = ("" if math.isnan(value) else f"{1e3 * value:.2f}" for value in one.offsets)
-    return (one.support, f"{one.x:.4f}", one.wire, one.what, *offsets)
+    place = (one.support, *_place(line, one.support), f"{one.x:.4f}")
+    return (*place, one.wire, one.what, *offsets)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from tautwire.analyses.survey.rank import TOGETHER, Correction, Figures, Ranking
+from tautwire.analyses.survey.corrections import Correction
+from tautwire.analyses.survey.rank import TOGETHER, Figures, Ranking
 from tautwire.text import csv_text
 
-RANK_HEAD = ("", "place", "x\n[m]", "set\n[mm]", "to\n[mm]", "σ alone\n[N]", "σ then\n[N]",
-             "max then\n[N]", "min then\n[N]")  # fmt: skip
+RANK_HEAD = ("", "place", "x\n[m]", "set\n[mm]", "to\n[mm]", "effect\n[N]", "σ alone\n[N]",
+             "σ then\n[N]", "max then\n[N]", "min then\n[N]")  # fmt: skip
 CREW_HEAD = ("", "place", "x [m]", "as built [mm]", "set to [mm]", "change [mm]", "done")
 FIGURE_HEAD = ("", "σ [N]", "max [N]", "min [N]", "loss [%]")
 SHOWN = 30
@@ -21,7 +22,7 @@ def place_of(one: Correction) -> str:
 
 
 def rank_rows(ranking: Ranking) -> list[tuple[str, ...]]:
-    """Return one row per correction, with the figures once it and those before it are made."""
+    """Return one row per correction, with the figures predicted for it and those before it."""
     rows = []
     for number, one in enumerate(ranking.ranked, 1):
         then = one.together
@@ -33,6 +34,7 @@ def rank_rows(ranking: Ranking) -> list[tuple[str, ...]]:
                 f"{one.correction.x:.2f}",
                 f"{1e3 * one.correction.change:+.1f}",
                 _target(one.correction),
+                f"{one.effect:.2f}",
                 f"{gain:+.3f}",
                 f"{then.standard_deviation:.2f}",
                 f"{then.maximum:.1f}",
@@ -71,7 +73,7 @@ def figure_rows(ranking: Ranking) -> list[tuple[str, ...]]:
     return [
         _figures("as built", ranking.built),
         _figures(f"first {count} corrected, predicted", last),
-        _figures(f"first {count} corrected, full passage", ranking.checked),
+        _figures(f"first {count} corrected, computed", ranking.checked),
     ]
 
 
@@ -88,15 +90,16 @@ def _figures(name: str, one: Figures) -> tuple[str, ...]:
 def corrections_csv(ranking: Ranking) -> str:
     """Return all corrections as CSV."""
     head = ("rank", "kind", "span or support", "number", "x [m]", "as built [m]", "design [m]",
-            "sigma alone [N]", "max alone [N]", "min alone [N]", "loss alone", "sigma then [N]",
-            "max then [N]", "min then [N]", "loss then", "uplift change [m]")  # fmt: skip
+            "effect [N]", "sigma alone [N]", "max alone [N]", "min alone [N]", "loss alone",
+            "sigma then [N]", "max then [N]", "min then [N]", "loss then",
+            "uplift change [m]")  # fmt: skip
     rows = []
     for number, one in enumerate(ranking.ranked, 1):
         told, alone, then = one.correction, one.alone, one.together
         rows.append(
             (
                 number, told.kind, told.span, told.number, f"{told.x:.3f}",
-                f"{told.built:.5f}", f"{told.design:.5f}",
+                f"{told.built:.5f}", f"{told.design:.5f}", f"{one.effect:.4g}",
                 *(f"{value:.5g}" for f in (alone, then) for value in vars(f).values()),
                 f"{one.uplift:.5f}",
             )

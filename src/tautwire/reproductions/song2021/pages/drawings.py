@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.figures.panels import Curve, Figure, Panel, bar_figure, panel_figure
+from tautwire.report.drawing import Drawing
+from tautwire.report.figures.panels import Curve, Panel, bar_figure, panel_figure
 from tautwire.reproductions.song2021 import published
 from tautwire.reproductions.song2021.passages import (
     MESHES,
@@ -35,7 +36,7 @@ def two_spans(supports: Array) -> tuple[float, float]:
     return float(supports[middle - 1]), float(supports[middle + 1])
 
 
-def configuration(shape: Equilibrium) -> Figure:
+def configuration(shape: Equilibrium) -> Drawing:
     """Draw Fig. 3."""
     contact, messenger = shape.contact_position, shape.messenger_position
     number = np.searchsorted(shape.contact.s, shape.dropper_x - 1e-6)
@@ -59,7 +60,7 @@ def configuration(shape: Equilibrium) -> Figure:
     )
 
 
-def mesh_forces(passages: Passages, k: Reading) -> Figure:
+def mesh_forces(passages: Passages, k: Reading) -> Drawing:
     """Draw Fig. 4."""
     supports = passages.run(standard(9, k)).equilibrium.support_x
     panels = []
@@ -76,7 +77,7 @@ def mesh_forces(passages: Passages, k: Reading) -> Figure:
     return panel_figure(panels, POSITION, 270, shared=True)
 
 
-def mesh_bars(passages: Passages, k: Reading) -> Figure:
+def mesh_bars(passages: Passages, k: Reading) -> Drawing:
     """Draw Fig. 5."""
     found = mesh.deviations(passages, k)
     series = {
@@ -86,7 +87,7 @@ def mesh_bars(passages: Passages, k: Reading) -> Figure:
     return bar_figure([f"0–{cutoff} Hz" for cutoff in mesh.CUTOFFS], series, DEVIATION)
 
 
-def mesh_spectra(passages: Passages, k: Reading) -> Figure:
+def mesh_spectra(passages: Passages, k: Reading) -> Drawing:
     """Draw Fig. 6."""
     lines = {f"NAD {m}: {f:g}": f for m, pair in published.ELEMENT_PASSING.items() for f in pair}
     lines["NAD 9, n = 2: 247.3"] = 2.0 * published.ELEMENT_PASSING[9][0]
@@ -115,7 +116,7 @@ def _apart(marks: Mapping[str, float], width: float) -> dict[str, float]:
     return found
 
 
-def stiffness_forces(passages: Passages, own: stiffness.Series) -> Figure:
+def stiffness_forces(passages: Passages, own: stiffness.Series) -> Drawing:
     """Draw Fig. 7."""
     supports = passages.run(own.names[0]).equilibrium.support_x
     low, high = two_spans(supports)
@@ -128,7 +129,7 @@ def stiffness_forces(passages: Passages, own: stiffness.Series) -> Figure:
     return panel_figure([Panel("0 to 200 Hz", curves, FORCE, (low, high))], POSITION, 380)
 
 
-def stiffness_spectra(passages: Passages, own: stiffness.Series) -> Figure:
+def stiffness_spectra(passages: Passages, own: stiffness.Series) -> Drawing:
     """Draw Fig. 8."""
     panels = []
     for letter, (low, high) in zip("ab", stiffness.BANDS, strict=True):
@@ -142,7 +143,7 @@ def stiffness_spectra(passages: Passages, own: stiffness.Series) -> Figure:
     return panel_figure(panels, FREQUENCY, 290)
 
 
-def stiffness_curves(passages: Passages) -> Figure:
+def stiffness_curves(passages: Passages) -> Drawing:
     """Draw Fig. 9 for every line and mesh with all stiffnesses."""
     panels = []
     for own in stiffness.computed(passages):

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.figures.panels import Curve, Figure, Panel, panel_figure
+from tautwire.report.drawing import Drawing
+from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.reproductions.song2021 import sources
 from tautwire.reproductions.song2021.claims import Condition
 from tautwire.reproductions.song2021.pages.drawings import DEVIATION, POSITION
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 SAG = "height over supports [mm]"
 
 
-def presag(shape: Equilibrium, section: tuple[float, float]) -> Figure:
+def presag(shape: Equilibrium, section: tuple[float, float]) -> Drawing:
     """Draw Fig. 10: how far the contact wire lies below the supports."""
     curve = Curve("contact wire", shape.contact_position[:, 0], sag(shape), 0)
     return panel_figure([Panel("", [curve], SAG, section)], POSITION, 260)
@@ -34,7 +35,7 @@ def sag(shape: Equilibrium) -> Array:
     return 1e3 * (contact[:, 2] - level)
 
 
-def source_spectra(found: sources.Sources) -> Figure:
+def source_spectra(found: sources.Sources) -> Drawing:
     """Draw Fig. 11 over wave number, DD, SD and their fractions marked."""
     marks = {f"{name} {value:.3g} m": 1.0 / value for name, value in found.lengths.items()}
     panels = []
@@ -52,7 +53,7 @@ def source_spectra(found: sources.Sources) -> Figure:
     return panel_figure(panels, "wave number [1/m]", 250, shared=True)
 
 
-def mode(found: Found) -> Figure:
+def mode(found: Found) -> Drawing:
     """Draw Figs 13 and 14: shape of the contact wire and its spectrum."""
     shape = Curve("contact wire", found.x, found.shape, 0, width=1.0)
     spectrum = Curve("spectrum", found.wavenumber, found.amplitude, 1, dash="solid")
@@ -64,7 +65,7 @@ def mode(found: Found) -> Figure:
     return panel_figure(panels, "wave number [1/m]", 250)
 
 
-def speed_curves(curves: Mapping[Condition, Curves]) -> Figure:
+def speed_curves(curves: Mapping[Condition, Curves]) -> Drawing:
     """Draw Fig. 15, a panel per reading."""
     panels = []
     for condition, own in curves.items():

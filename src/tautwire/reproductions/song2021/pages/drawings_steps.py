@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.report.figures.panels import Curve, Figure, Panel, panel_figure
+from tautwire.report.drawing import Drawing
+from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.reproductions.song2021.pages.drawings import FORCE, POSITION
 from tautwire.reproductions.song2021.pages.drawings_high import SAG, sag
 from tautwire.reproductions.song2021.sections.irregular import (
@@ -43,7 +44,7 @@ BESIDE = 4e-3
 """Time shown to either side of a separation [s]."""
 
 
-def separation(wire: Wire, when: float) -> Figure:
+def separation(wire: Wire, when: float) -> Drawing:
     """Draw Fig. 16 from a separation: the undivided step, the line through it, where it was cut.
 
     Parameters
@@ -83,7 +84,7 @@ def _depth(
 
 def irregular_presag(
     trials: Sequence[Trial], ideal: Equilibrium, section: tuple[float, float]
-) -> Figure:
+) -> Drawing:
     """Draw Fig. 17: the running surface with each irregularity, beside the ideal line.
 
     Parameters
@@ -112,7 +113,7 @@ def irregular_presag(
     return panel_figure(panels, POSITION, 230, shared=True)
 
 
-def step_forces(wire: Wire, whens: Sequence[float]) -> Figure:
+def step_forces(wire: Wire, whens: Sequence[float]) -> Drawing:
     """Draw Fig. 18: the unfiltered force by time step, and enlarged around losses.
 
     Parameters

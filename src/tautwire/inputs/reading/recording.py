@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,9 +14,10 @@ from tautwire.measured.assembly import assemble
 from tautwire.measured.channels import Channel, read_channels
 from tautwire.measured.files.formats import open_source
 from tautwire.measured.files.source import Source
+from tautwire.measured.rates import Rate, fastest, with_other_rates
 from tautwire.measured.recording import Recording
-from tautwire.tables.columns import RECORDING
-from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
+from tautwire.tables.columns import RECORDING, fields_of
+from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, match, propose
 from tautwire.tables.sheets import Sheet
 from tautwire.text import shortened
 
@@ -24,6 +26,9 @@ MOST_BYTES = 4_000_000_000
 """Largest recording that is read: more does not fit into the memory of a usual machine."""
 MOST_MAPPINGS = 200
 """Mapping files of a folder that are tried."""
+FIELDS = fields_of(RECORDING)
+TIMED = (("time",),)
+"""What channels of another sampling rate must have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +44,8 @@ class RecordingFile:
     is_proposed : bool
         Whether the mapping was made from the headings.
     channels : tuple of Channel
+    others : tuple of Rate
+        Channels of other sampling rates that were added.
     recording : Recording
     """
 
@@ -47,15 +54,24 @@ class RecordingFile:
     mapping_file: Path
     is_proposed: bool
     channels: tuple[Channel, ...]
+    others: tuple[Rate, ...]
     recording: Recording
 
     def mapping_text(self) -> str:
         """Return the mapping, with the units that were decided, as the text of its file."""
-        uses = tuple(
-            replace(one.use, unit=one.use.unit or one.unit.replace("SI", ""))
-            for one in self.channels
-        )
-        return mapping_text([replace(self.mapping, uses=uses)], self.path)
+        sheets = [(self.mapping, self.channels)]
+        sheets += [(one.mapping, one.channels) for one in self.others]
+        decided = [
+            replace(
+                mapping,
+                uses=tuple(
+                    replace(one.use, unit=one.use.unit or one.unit.replace("SI", ""))
+                    for one in channels
+                ),
+            )
+            for mapping, channels in sheets
+        ]
+        return mapping_text(decided, self.path)
 
 
 def load_recording(
@@ -108,26 +124,38 @@ def open_recording(
         what = "is empty" if size == 0 else f"has more than {MOST_BYTES / 1e9:g} GB"
         raise InputError(f"{named(file)}: {what}; give a recording, in parts if need be")
     source = open_source(file)
-    found, said_by = _mapping_of(file, source, Path(mapping) if mapping is not None else None)
-    if found.first_row >= len(found.sheet.rows):
-        raise InputError(f"{found.sheet.label}: has headings and no rows below them")
+    mappings, said_by = _mappings_of(file, source, Path(mapping) if mapping is not None else None)
+    for one in mappings:
+        if one.first_row >= len(one.sheet.rows):
+            raise InputError(f"{one.sheet.label}: has headings and no rows below them")
     try:
-        channels = read_channels(source, found)
+        rates = [Rate(one, tuple(read_channels(source, one))) for one in mappings]
     except (ValueError, IndexError, OSError, UnicodeError) as error:
         what = shortened(str(error), 200)
         raise InputError(f"{named(file)}: its rows do not fit its headings ({what})") from None
-    notes = [*found.notes, *_unread(source, found)]
-    recording = assemble(str(file), channels, speed=speed, positive=found.positive, notes=notes)
+    main, others = fastest(rates)
+    channels, added = with_other_rates(main, others)
+    notes = [*main.mapping.notes, *added, *_unread(source, mappings)]
+    recording = assemble(
+        str(file), channels, speed=speed, positive=main.mapping.positive, notes=notes
+    )
     target = said_by or file.with_name(file.stem + MAPPING)
-    return RecordingFile(file, found, target, said_by is None, tuple(channels), recording)
+    return RecordingFile(
+        file, main.mapping, target, said_by is None, main.channels, tuple(others), recording
+    )
 
 
-def _mapping_of(file: Path, source: Source, given: Path | None) -> tuple[SheetMapping, Path | None]:
-    """Return the mapping: as given, of the file, of its neighbours, or from the headings."""
+def _mappings_of(
+    file: Path, source: Source, given: Path | None
+) -> tuple[list[SheetMapping], Path | None]:
+    """Return the mappings: as given, of the file, of its neighbours, or from the headings.
+
+    One but for files whose tables are channels of one record with several sampling rates.
+    """
     own = file.with_name(file.stem + MAPPING)
     chosen = given or (own if own.is_file() else _neighbour(file, source))
     if chosen is not None:
-        return _read_mapping(chosen, source.sheets), chosen
+        return _read_mapping(chosen, source), chosen
     proposals = [found for sheet in source.sheets if (found := propose(sheet, (RECORDING,)))]
     if not proposals:
         raise InputError(
@@ -135,16 +163,20 @@ def _mapping_of(file: Path, source: Source, given: Path | None) -> tuple[SheetMa
             "with a time or position and a force, acceleration, height or stagger, as in "
             f"'time [s]', 'position [m]', 'contact force [N]'"
         )
-    return max(proposals, key=lambda one: len(one.uses)), None
+    if not source.is_one_record or not all(one.use("time") for one in proposals):
+        return [max(proposals, key=lambda one: len(one.uses))], None
+    read = [one.sheet for one in proposals]
+    rest = [sheet for sheet in source.sheets if sheet not in read]
+    timed = [found for sheet in rest if (found := match(sheet, RECORDING, FIELDS, TIMED))]
+    return [*proposals, *timed], None
 
 
-def _read_mapping(path: Path, sheets: object) -> SheetMapping:
+def _read_mapping(path: Path, source: Source) -> list[SheetMapping]:
     data = parse_document(read_case_text(path), str(path), ".yaml")
-    assert isinstance(sheets, list)
-    found = apply_mapping(sheets, data, str(path), (RECORDING,))
-    if len(found) != 1:
+    found = apply_mapping(source.sheets, data, str(path), (RECORDING,))
+    if len(found) != 1 and not (found and source.is_one_record):
         raise InputError(f"{path}: describes {len(found)} sheets; a recording is one")
-    return found[0]
+    return found
 
 
 def _neighbour(file: Path, source: Source) -> Path | None:
@@ -152,10 +184,12 @@ def _neighbour(file: Path, source: Source) -> Path | None:
     candidates = sorted(file.parent.glob(f"*{MAPPING}"))[:MOST_MAPPINGS]
     for path in candidates:
         try:
-            mapping = _read_mapping(path, source.sheets)
+            mappings = _read_mapping(path, source)
         except InputError:
             continue
-        if {u.heading for u in mapping.uses} | set(mapping.aside) == _headings(mapping):
+        if all(
+            {u.heading for u in one.uses} | set(one.aside) == _headings(one) for one in mappings
+        ):
             return path
     return None
 
@@ -165,8 +199,9 @@ def _headings(mapping: SheetMapping) -> set[str]:
     return {cell for cell in row if isinstance(cell, str)}
 
 
-def _unread(source: Source, mapping: SheetMapping) -> list[str]:
-    others: list[Sheet] = [sheet for sheet in source.sheets if sheet is not mapping.sheet]
+def _unread(source: Source, mappings: Sequence[SheetMapping]) -> list[str]:
+    read = [one.sheet for one in mappings]
+    others: list[Sheet] = [sheet for sheet in source.sheets if sheet not in read]
     if not others:
         return []
     heads = (", ".join(str(cell) for cell in sheet.rows[0] if cell) for sheet in others)

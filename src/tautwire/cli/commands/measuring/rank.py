@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from tautwire.analyses.survey.rank import LEAST, Ranking, rank
-from tautwire.cli.commands.measured import quantity
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.analyses.survey.corrections import LEAST
+from tautwire.analyses.survey.rank import Ranking, rank
+from tautwire.cli.commands.measuring.measured import quantity
+from tautwire.cli.commands.study import MOST_WORKERS
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
-from tautwire.cli.views.tables import facts, heading, table
+from tautwire.cli.session import Answer
+from tautwire.cli.views.tables import heading, table
+from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.report.parts.recordings.rank import (
@@ -22,6 +25,7 @@ from tautwire.report.parts.recordings.rank import (
     figure_rows,
     rank_rows,
 )
+from tautwire.studies.run import core_count
 from tautwire.version import __version__
 
 PASSAGES = "passages"
@@ -39,12 +43,15 @@ class RankRequest:
     overrides : sequence of str
         For the case as built.
     least : str or None
+    workers : int or None
+        Processes; one per core by default.
     """
 
     design: str
     built: str
     overrides: Sequence[str] = ()
     least: str | None = None
+    workers: int | None = None
 
 
 def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None:
@@ -52,30 +59,46 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
     least = quantity("--least", request.least, "m", 0.0, 1.0)
     design, built = load_case(request.design), load_case(request.built, request.overrides)
 
-    def watch(number: int, count: int) -> None:
-        if number == 0:
-            answer.say(f"{count} passages; those that are kept already are not computed again")
+    def watch(done: int, count: int) -> None:
+        if done == 0:
+            answer.say(f"deviations in {count} spans; spans that are kept are not computed again")
+        elif done % max(count // 10, 1) == 0:
+            answer.say(f"{done} of {count} spans done")
 
     keep = None
     if out is not None:
         with prepared_folder(out):
             keep = out / PASSAGES
-    ranking = rank(design, built, least=LEAST if least is None else least, keep=keep, watch=watch)
+    ranking = rank(
+        design,
+        built,
+        least=LEAST if least is None else least,
+        workers=_workers(request.workers),
+        keep=keep,
+        watch=watch,
+    )
     answer.document.update({"version": __version__, **_document(ranking)})
-    rate = f"{ranking.passages} passages over {ranking.length:.0f} m, {ranking.cpu:.1f} s of CPU"
+    rate = (
+        f"{ranking.passages} passages over some spans each, on {ranking.length:.0f} m; "
+        f"{ranking.cpu:.1f} s of CPU"
+    )
     answer.show(
         heading("Corrections", rate),
-        table(RANK_HEAD, "rLrrrrrrr", rank_rows(ranking)[:SHOWN]),
+        table(RANK_HEAD, "rLrrrrrrrr", rank_rows(ranking)[:SHOWN]),
         heading("What the first gain together"),
         table(FIGURE_HEAD, "Lrrrr", figure_rows(ranking)),
     )
     if out is not None:
         files = Files(out)
         _write(files, answer, ranking)
-        answer.document["files"] = files.written
-        answer.show(heading("Files"), facts(files.written.items()))
-        if files.problems:
-            raise OutputError(files.problems)
+        tell_files(answer, files)
+
+
+def _workers(given: int | None) -> int:
+    count = core_count() if given is None else given
+    if not 1 <= count <= MOST_WORKERS:
+        raise InputError(f"--workers: got {count}; give 1 to {MOST_WORKERS}")
+    return count
 
 
 def _document(ranking: Ranking) -> dict[str, object]:

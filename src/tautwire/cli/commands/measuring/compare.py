@@ -12,16 +12,17 @@ from tautwire.assessment.coverage import covered
 from tautwire.assessment.geometry import GeometryRow, compare_geometry
 from tautwire.assessment.limits import load_limits
 from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
-from tautwire.cli.commands.measured import RecordingRequest, quantity
+from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile
+from tautwire.inputs.project import load_project
+from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
@@ -32,6 +33,7 @@ from tautwire.report.parts.recordings.comparison import (
 )
 from tautwire.report.parts.words import readable
 from tautwire.results.run import Run
+from tautwire.specs.project import Project
 from tautwire.text import csv_text
 from tautwire.version import __version__
 
@@ -53,6 +55,8 @@ class ComparisonRequest:
     offset : str
     search : str or None
     limits : Path or None
+    project : Path or None
+        File with the project block.
     """
 
     files: tuple[Path, ...]
@@ -61,6 +65,7 @@ class ComparisonRequest:
     offset: str = "0 m"
     search: str | None = None
     limits: Path | None = None
+    project: Path | None = None
 
     def pairs(self) -> list[tuple[Path, Path]]:
         """Return runs and recordings in pairs.
@@ -99,8 +104,10 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     """Compare stored runs with recordings, show the tables and write the files asked for."""
     offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST)
     search = quantity("--search", request.search, "m", 0.0, FARTHEST)
-    treatment, limits = request.reading.treatment(), load_limits(request.limits)
+    treatment = request.reading.treatment()
+    limits = None if request.limits is None else load_limits(request.limits)
     pairs = request.pairs()
+    block = None if request.project is None else load_project(request.project)
     runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
     found: list[MeasurementComparison] = []
@@ -142,7 +149,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     if found:
         answer.document["covers"] = covered([compared.coverage for compared in found])
     if out is not None:
-        _write_files(answer, out, compared_runs, found)
+        _write_files(answer, out, compared_runs, found, block)
 
 
 def _faults(compared: MeasurementComparison) -> list[str]:
@@ -168,24 +175,26 @@ def _geometry_view(rows: Sequence[GeometryRow]) -> list[Any]:
 
 
 def _write_files(
-    answer: Answer, out: Path, runs: Sequence[Run], found: Sequence[MeasurementComparison]
+    answer: Answer,
+    out: Path,
+    runs: Sequence[Run],
+    found: Sequence[MeasurementComparison],
+    project: Project | None,
 ) -> None:
-    from tautwire.report.pages.comparison_page import write_comparison_page
+    from tautwire.report.pages.comparison_page import compose_comparison
 
     with prepared_folder(out):
         files = Files(out)
         if found:
-            files.write("comparison.html", lambda path: write_comparison_page(runs, found, path))
+            page = compose_comparison(runs, found, project)
+            files.write("comparison.html", page.write)
         text = to_json(answer.document) + "\n"
         files.write("comparison.json", lambda path: write_text(path, text))
         for number, compared in enumerate(found, 1):
             content = overlay_csv(compared)
             name = "forces.csv" if number == 1 else f"forces-{number}.csv"
             files.write(name, lambda path, content=content: write_text(path, content))
-    answer.document["files"] = files.written
-    answer.show(heading("Files"), facts(files.written.items()))
-    if files.problems:
-        raise OutputError(files.problems)
+    tell_files(answer, files)
 
 
 def overlay_csv(compared: MeasurementComparison) -> str:

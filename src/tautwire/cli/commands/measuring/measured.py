@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.measured_view import evaluation_view
-from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.recording import RecordingFile, open_recording
+from tautwire.inputs.reading.recording import RecordingFile, open_recording
 from tautwire.measured.evaluation import Evaluation, Treatment, evaluate
 from tautwire.text import csv_text
 from tautwire.units import UnitError, parse_quantity
@@ -93,10 +92,7 @@ def show_recording(answer: Answer, request: RecordingRequest, out: Path | None) 
         with prepared_folder(out):
             files = Files(out)
             _write(files, answer, found)
-        answer.document["files"] = files.written
-        answer.show(heading("Files"), facts(files.written.items()))
-        if files.problems:
-            raise OutputError(files.problems)
+        tell_files(answer, files)
 
 
 def _write(files: Files, answer: Answer, found: Evaluation) -> None:

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tautwire.analyses.survey.as_built import SCATTER, SUPPORT_SCATTER, AsBuilt, as_built
-from tautwire.cli.commands.measured import quantity
-from tautwire.cli.folders import Files, prepared_folder
+from tautwire.cli.commands.measuring.measured import quantity
+from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer, OutputError
+from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
-from tautwire.inputs.survey import ACCURACY, load_survey
+from tautwire.inputs.reading.survey import ACCURACY, load_survey
 from tautwire.report.parts.recordings.as_built import (
     DROPPER_HEAD,
     SUPPORT_HEAD,
@@ -83,10 +83,7 @@ def show_as_built(answer: Answer, request: SurveyRequest, out: Path | None) -> N
         with prepared_folder(out):
             files = Files(out)
             _write(files, answer, built)
-        answer.document["files"] = files.written
-        answer.show(heading("Files"), facts(files.written.items()))
-        if files.problems:
-            raise OutputError(files.problems)
+        tell_files(answer, files)
 
 
 def _write(files: Files, answer: Answer, built: AsBuilt) -> None:

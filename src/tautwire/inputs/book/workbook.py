@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tautwire.errors import InputError
-from tautwire.inputs.merge import merge
+from tautwire.inputs.book.said import said_values
+from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.own_line import Choice, Wish, as_data, presag_of, template
 from tautwire.inputs.own_line import dropper_positions as usual_positions
+from tautwire.inputs.paths import format_path, value_at
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import read_case_text
 from tautwire.inputs.reading.tables import line_tables, open_sheets
+from tautwire.tables.columns import BOOK_KINDS
 from tautwire.tables.line import LineTables
-from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, propose
-from tautwire.tables.sheets import SUFFIXES
+from tautwire.tables.mapping import RENEW, SheetMapping, apply_mapping, mapping_text, propose
+from tautwire.tables.sheets import SUFFIXES, Sheet
 from tautwire.text import as_name
+from tautwire.units import UnitError, parse_quantity
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,8 @@ class Workbook:
         Sheets that are no tables of a line.
     is_proposed : bool
         Whether the mapping was made from the headings.
+    notes : tuple of str
+        What the mapping file does not name but might mean.
     """
 
     path: Path
@@ -38,6 +45,7 @@ class Workbook:
     mappings: tuple[SheetMapping, ...]
     unread: tuple[str, ...]
     is_proposed: bool
+    notes: tuple[str, ...] = ()
 
     def mapping_text(self) -> str:
         """Return the mapping as the text of its file."""
@@ -61,9 +69,10 @@ def open_workbook(path: Path) -> Workbook:
     mapping_file = path.with_name(path.stem + ".mapping.yaml")
     if mapping_file.is_file():
         data = parse_document(read_case_text(mapping_file), str(mapping_file), ".yaml")
-        mappings = apply_mapping(sheets, data, str(mapping_file))
+        mappings = apply_mapping(sheets, data, str(mapping_file), BOOK_KINDS)
     else:
-        mappings = [found for sheet in sheets if (found := propose(sheet)) is not None]
+        proposals = (propose(sheet, BOOK_KINDS) for sheet in sheets)
+        mappings = [found for found in proposals if found is not None]
     if not any(one.kind == "supports" for one in mappings):
         raise InputError(
             f"{path}: no sheet is a table of supports; one row per mast with its chainage or span "
@@ -71,11 +80,27 @@ def open_workbook(path: Path) -> Workbook:
         )
     used = {one.sheet.name for one in mappings}
     unread = tuple(sheet.name for sheet in sheets if sheet.name not in used)
-    return Workbook(path, mapping_file, tuple(mappings), unread, not mapping_file.is_file())
+    is_kept = mapping_file.is_file()
+    notes = [note for one in mappings for note in one.notes]
+    notes += _new_sheets(sheets, unread, mapping_file) if is_kept else []
+    return Workbook(path, mapping_file, tuple(mappings), unread, not is_kept, tuple(notes))
+
+
+def _new_sheets(sheets: Sequence[Sheet], unread: Sequence[str], file: Path) -> list[str]:
+    """Name sheets that could be tables of the line but are not in the mapping file."""
+    found = []
+    for sheet in sheets:
+        if sheet.name in unread and (one := propose(sheet, BOOK_KINDS)) is not None:
+            what = f"could be a table of {one.kind}, but {file} does not name it"
+            found.append(f"{sheet.label}: {what}; {RENEW}")
+    return found
 
 
 def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
-    """Return the case of a workbook as plain data, completed by the template of an own line.
+    """Return the case of a workbook as plain data.
+
+    One with a table of values that gives the schema is the whole case; any other is completed by
+    the template of an own line.
 
     Raises
     ------
@@ -83,32 +108,61 @@ def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
         Naming every cell that cannot be used.
     """
     tables = line_tables(workbook.mappings)
+    said = said_values(tables)
+    if "schema" in said:
+        return with_table(said, tables.values), tables
+    return _completed(workbook, said, tables), tables
+
+
+def _completed(workbook: Workbook, said: dict[str, Any], tables: LineTables) -> dict[str, Any]:
+    """Complete what a workbook says by the template of an own line."""
     line = tables.values["line"]
-    name = as_name(workbook.path.stem)
     lengths = line.get("span_length", [])
-    wish = Wish(name, spans=line["spans"], span=max(lengths, default=None))
+    wish = Wish(
+        as_name(workbook.path.stem),
+        spans=line["spans"],
+        span=max(lengths, default=None),
+        speed=_speed(said),
+    )
     choices = template(wish)
     if "droppers" not in tables.values and lengths:
         rows = [usual_positions(span) for span in lengths]
         tables.values["droppers"] = {"positions": rows, "presag": _presag(wish, lengths, rows)}
         tables.notes.append(f"{workbook.path}: no table of droppers; they are placed by rule")
-    elif "presag" not in tables.values.get("droppers", {}) and lengths:
-        droppers = tables.values.setdefault("droppers", {})
-        if droppers.get("mode") != "length":
-            droppers["presag"] = _presag(wish, lengths, droppers["positions"])
+    elif lengths and _lacks_presag(tables.values.get("droppers")):
+        droppers = tables.values["droppers"]
+        droppers["presag"] = _presag(wish, lengths, droppers["positions"])
+        tables.notes.append(
+            f"{workbook.path}: the table of droppers has neither lengths nor pre-sag; a pre-sag by "
+            "rule is used"
+        )
     data = as_data(choices)
-    sources = _kept_sources(data.pop("sources"), choices, tables.values)
-    merged = merge(_without_use(data, tables.values), tables.values)
-    if tables.values.get("droppers", {}).get("mode") == "length":
-        merged["droppers"].pop("presag", None)
-    named = [
-        {"path": f"{part}.{key}", "source": f"Table {workbook.path.name}", "confidence":
-         "one source"}
-        for part, values in tables.values.items()
-        for key in values
-        if key != "mode"
-    ]  # fmt: skip
-    return {**merged, "sources": [*sources, *named]}, tables
+    given = with_table(said, tables.values)
+    sources = _kept_sources(data.pop("sources"), choices, given)
+    merged = with_table(merge(_without_use(data, given), said), tables.values)
+    return {**merged, "sources": [*sources, *_named(tables, workbook.path.name)]}
+
+
+def _lacks_presag(droppers: Any) -> bool:
+    is_one = isinstance(droppers, dict)
+    return is_one and "presag" not in droppers and droppers.get("mode") != "length"
+
+
+def _speed(said: dict[str, Any]) -> float | None:
+    """Return the speed that a table of values gives; what is no speed is refused later."""
+    try:
+        return parse_quantity(value_at(said, ("scenario", "speed")), "m/s")
+    except UnitError:
+        return None
+
+
+def _named(tables: LineTables, file: str) -> list[dict[str, str]]:
+    """Return the workbook as the source of what its tables say."""
+    origin = {"source": f"Table {file}", "confidence": "one source"}
+    paths = [path for path in paths_of(tables.values) if path[-1] != "mode"]
+    return [{"path": format_path(path), **origin} for path in paths] + [
+        {"path": one.path, **origin} for one in tables.said
+    ]
 
 
 def _presag(wish: Wish, lengths: list[float], rows: list[list[float]]) -> list[list[float]]:
@@ -128,7 +182,7 @@ def _kept_sources(
     sources: list[dict[str, Any]], choices: tuple[Choice, ...], given: dict[str, Any]
 ) -> list[dict[str, Any]]:
     """Drop the template's sources of what the tables say."""
-    replaced = {f"{part}.{key}" for part, values in given.items() for key in values}
+    replaced = {format_path(path) for path in paths_of(given)}
     replaced |= {
         f"wires.{name}.{key}" for name, wire in given.get("wires", {}).items() for key in wire
     }

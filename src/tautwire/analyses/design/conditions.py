@@ -14,7 +14,7 @@ from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.operate import operate
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.model.build import Model
-from tautwire.results.conditions import ConditionState, EndOfWire, Extreme
+from tautwire.results.design.conditions import ConditionState, EndOfWire, Extreme
 from tautwire.results.equilibrium import Elasticity, Equilibrium
 from tautwire.text import DESIGN
 

@@ -1,0 +1,152 @@
+"""Local passages computed side by side, each kept as soon as it is done."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+from threading import Thread
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from tautwire.analyses.survey.local import Felt, Passage, Place, felt_at
+from tautwire.files import write_whole
+
+_FELT = ("position", "raw", "filtered", "uplift")
+_PASSAGE = ("position", "raw", "filtered", "uplift", "cpu")
+
+
+@contextmanager
+def processes(count: int) -> Iterator[Executor | None]:
+    """Provide processes that compute places; None for one, which is this process itself.
+
+    On leaving, places that were begun end and the others are left.
+
+    Parameters
+    ----------
+    count : int
+    """
+    if count == 1:
+        yield None
+        return
+    pool = ProcessPoolExecutor(count, get_context("spawn"), _begin)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def computed(
+    places: Sequence[Place], pool: Executor | None, folder: Path | None
+) -> Iterator[tuple[int, tuple[Felt, ...], float]]:
+    """Compute what is felt at some places, or take it from where it is kept.
+
+    Parameters
+    ----------
+    places
+    pool
+        From :func:`processes`.
+    folder : Path or None
+        Where every place is kept once it is done.
+
+    Yields
+    ------
+    number : int
+        Of the place, from 0, in the order in which they are done.
+    felt : tuple of Felt
+        One per correction.
+    cpu : float s
+        Processor time that was spent now.
+    """
+    left = []
+    for number, place in enumerate(places):
+        kept = None if folder is None else _kept(place, folder)
+        if kept is None:
+            left.append(number)
+        else:
+            yield number, kept, 0.0
+    if pool is None:
+        for number in left:
+            yield number, *_computed(places[number], folder)
+        return
+    numbers = {pool.submit(_computed, places[number], folder): number for number in left}
+    for future in as_completed(numbers):
+        yield numbers[future], *future.result()
+
+
+def _begin() -> None:
+    """Leave Ctrl-C to the parent, which lets begun places end, and end when it is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _computed(place: Place, folder: Path | None) -> tuple[tuple[Felt, ...], float]:
+    felt, cpu = felt_at(place)
+    if folder is not None:
+        _save(_path(place, folder), {f"{name}{n}": getattr(one, name)
+                                     for n, one in enumerate(felt) for name in _FELT})  # fmt: skip
+    return felt, cpu
+
+
+def _kept(place: Place, folder: Path) -> tuple[Felt, ...] | None:
+    """Return what is kept of a place; None where there is nothing that can be read."""
+    numbers = range(len(place.corrected))
+    found = _loaded(_path(place, folder), [f"{name}{n}" for n in numbers for name in _FELT])
+    if found is None:
+        return None
+    return tuple(
+        Felt(
+            found[f"position{n}"], found[f"raw{n}"], found[f"filtered{n}"],
+            float(found[f"uplift{n}"]),
+        )
+        for n in numbers
+    )  # fmt: skip
+
+
+def _path(place: Place, folder: Path) -> Path:
+    return folder / f"{place.name()}.npz"
+
+
+def keep_passage(path: Path, passage: Passage) -> None:
+    """Keep a passage, completely or not at all."""
+    _save(path, {name: getattr(passage, name) for name in _PASSAGE})
+
+
+def kept_passage(path: Path) -> Passage | None:
+    """Return a kept passage; None where there is none that can be read."""
+    found = _loaded(path, _PASSAGE)
+    if found is None:
+        return None
+    return Passage(
+        found["position"], found["raw"], found["filtered"], found["uplift"], float(found["cpu"])
+    )
+
+
+def _save(path: Path, arrays: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    content = io.BytesIO()
+    np.savez_compressed(content, **arrays)
+    write_whole(path, content.getvalue())
+
+
+def _loaded(path: Path, names: Sequence[str]) -> dict[str, Any] | None:
+    """Return the arrays of a file; None where there is none that can be read."""
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return {name: data[name] for name in names}
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        return None

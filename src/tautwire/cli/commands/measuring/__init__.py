@@ -1,0 +1,1 @@
+"""Commands about measured runs and the line as built."""
