@@ -138,25 +138,39 @@ def _looks(shape: Equilibrium) -> list[tuple[WireShape, dict[str, Any]]]:
     """Return every wire with its line: contact wires last, in colours, the others dashed."""
     contacts = shape.of_role("contact")
     others = [wire for wire in shape.wires if wire not in contacts]
+    groups = list(dict.fromkeys(map(_group, others)))
     carrying = [
-        (wire, {"color": MESSENGER, "width": 1.8, "dash": style.DASHES[1 + number % 5]})
-        for number, wire in enumerate(others)
+        (
+            wire,
+            {
+                "color": MESSENGER,
+                "width": 1.8,
+                "dash": style.DASHES[1 + groups.index(_group(wire)) % 5],
+            },
+        )
+        for wire in others
     ]
     run = [(wire, {"color": style.look(n).colour, "width": 2.4}) for n, wire in enumerate(contacts)]
     return carrying + run
 
 
+def _group(wire: WireShape) -> str:
+    """Return the entry of the legend to which a wire belongs: one for all stitch wires."""
+    return "stitch wires" if wire.role == "stitch" else wire.name
+
+
 def _add_wire(
     figure: Drawing, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
+    group = _group(wire)
     figure.add_scatter(
         x=wire.position[:, 0].astype(np.float32),
         y=y.astype(np.float32),
         mode="lines",
-        name=wire.name,
+        name=group,
         line=line,
-        legendgroup=wire.name,
-        showlegend=row == 1,
+        legendgroup=group,
+        showlegend=not any(trace.get("legendgroup") == group for trace in figure.data),
         hovertemplate=f"{wire.name}, x = %{{x:.2f}} m<br>{text}<extra></extra>",
         row=row,
         col=1,
