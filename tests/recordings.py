@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,45 @@ def record(truth: Truth, seed: int, *, sensors: int = 4, stagger: bool = True) -
         distance=distance,
         stagger=lateral + rng.normal(0.0, 0.005, len(time)) if stagger else None,
     )
+
+
+DIALECTS = ("plain", "German", "MAT")
+
+
+def write_file(recording: Recording, path: Path, dialect: str) -> Path:
+    """Write a recording as a recorder would: headings, units and decimals of its own."""
+    german, comma = dialect == "German", ";" if dialect == "German" else ","
+    force, head = (1e-3, "Kraft {}_{} [kN]") if german else (1.0, "F_{}_{} [N]")
+    columns = {"Zeit [s]" if german else "time [s]": recording.time}
+    sensors: dict[int, int] = {}
+    for strip, values in zip(recording.force_strips.tolist(), recording.forces, strict=True):
+        sensors[strip] = sensors.get(strip, 0) + 1
+        columns[head.format(strip, sensors[strip])] = force * values
+    for strip, values in zip(
+        recording.acceleration_strips.tolist(), recording.accelerations, strict=True
+    ):
+        columns[f"AccZ_{strip}_1 [m/s^2]"] = values
+    assert recording.speed is not None
+    assert recording.distance is not None
+    columns["Geschwindigkeit [km/h]" if german else "speed [km/h]"] = 3.6 * recording.speed
+    columns["Weg [m]" if german else "position [m]"] = recording.distance
+    if recording.stagger is not None:
+        columns["Seitenlage [mm]" if german else "stagger [mm]"] = 1e3 * recording.stagger
+    if dialect == "MAT":
+        from scipy.io import savemat
+
+        named = {f"c{n}": {"data": values, "unit": head.rpartition("[")[2].rstrip("]")}
+                 for n, (head, values) in enumerate(columns.items())}  # fmt: skip
+        names = [head.partition(" [")[0].replace(" ", "_") for head in columns]
+        savemat(path, dict(zip(names, named.values(), strict=True)))
+        return path
+    rows = np.column_stack(list(columns.values()))
+    text = "\n".join(comma.join(f"{value:.6f}" for value in row) for row in rows.tolist())
+    text = text.replace("nan", "")
+    if german:
+        text = text.replace(".", ",")
+    path.write_text(comma.join(columns) + "\n" + text + "\n", encoding="utf-8")
+    return path
 
 
 def _zigzag(position: Array) -> Array:

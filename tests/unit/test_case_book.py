@@ -22,6 +22,8 @@ from tautwire.line.expand import expand
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
 from tautwire.specs.case import Case
+from tautwire.tables.columns import fields_of
+from tautwire.tables.headings import read_heading
 
 from .test_line_tables import SPANS, SUPPORTS, WIRES, workbook
 
@@ -191,6 +193,38 @@ def test_misread_sheet_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("heading", "field"),
     [
+        ("Punto kilométrico", "chainage"),
+        ("Strecken-km", "chainage"),
+        ("Distance to next mast [m]", "span_length"),
+        ("Luz del vano (m)", "span_length"),
+        ("FD-Höhe [m]", "contact_height"),
+        ("Altura del hilo de contacto (m)", "contact_height"),
+        ("Contact wire stagger [mm]", "contact_stagger"),
+        ("Descentramiento HC", "contact_stagger"),
+        ("Remarks", None),
+    ],
+)
+def test_headings_of_supports(heading: str, field: str | None) -> None:
+    """What heads the tables of masts in several countries, and what is left aside."""
+    reading = read_heading(heading, "", fields_of("supports"))
+    assert (None if reading is None else reading.field.name) == field
+
+
+def test_supports_by_name(tmp_path: Path) -> None:
+    """A column "Support" with names is one of names; with 1, 2, 3 it counts."""
+    rows = [["Support", "Chainage [m]"], ["A 12", 0], ["A 13", 50], ["A 14", 100]]
+    assert load_case(workbook(tmp_path / "a.xlsx", Masts=rows)).line.masts == (
+        "A 12",
+        "A 13",
+        "A 14",
+    )
+    rows = [["Support", "Chainage [m]"], [1, 0], [2, 50], [3, 100]]
+    assert load_case(workbook(tmp_path / "b.xlsx", Masts=rows)).line.masts is None
+
+
+@pytest.mark.parametrize(
+    ("heading", "field"),
+    [
         ("Vano nº", "span"),
         ("Mast-Nr.", "mast"),
         ("Nº de péndola", "dropper"),
@@ -202,9 +236,6 @@ def test_misread_sheet_is_refused(tmp_path: Path) -> None:
 )
 def test_headings_in_any_order(heading: str, field: str, tmp_path: Path) -> None:
     """Words in another order, prepositions and what says "number" change no meaning."""
-    from tautwire.tables.columns import fields_of
-    from tautwire.tables.headings import read_heading
-
     reading = read_heading(heading, "", fields_of("droppers"))
     assert reading is not None
     assert reading.field.name == field

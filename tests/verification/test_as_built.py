@@ -147,6 +147,40 @@ def test_an_overlong_dropper_is_slack_with_its_bound() -> None:
     assert abs(one.length - true.distances[12]) < 3.0 * one.error
 
 
+TABLES = [
+    pytest.param((2,), id="1"),
+    pytest.param((3, 5, 7, 10), id="4", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize("kind", ["reversed", "other span"])
+@pytest.mark.parametrize("seeds", TABLES)
+def test_whole_tables_in_the_wrong_place_are_found(kind: str, seeds: tuple[int, ...]) -> None:
+    """A span numbered from the wrong end, or with the droppers of another one, is named from
+    heights alone, and nothing else is; also where plain scatter leads to no equilibrium."""
+    for seed in seeds:
+        random = np.random.default_rng([77, seed])
+        case = random_line(random, 3)
+        line = SurveyedLine(build(case))
+        design = line.design.values
+        rows: dict[int, list[int]] = {}
+        for row, hanger in enumerate(line.model.line.hangers):
+            rows.setdefault(hanger.label.span, []).append(row)
+        found = [
+            (span, own, table)
+            for span, own in rows.items()
+            for table in ([own[::-1]] if kind == "reversed" else rows.values())
+            if len(table) == len(own) and np.abs(design[table] - design[own]).max() > 0.015
+        ]
+        span, own, table = found[random.integers(len(found))]
+        moved = {a: float(design[b] - design[a]) for a, b in zip(own, table, strict=True)}
+        true = built_at_random(line, random, moved)
+        built = as_built(case, surveyed(line, true, random), support_scatter=SCATTER)
+        (told,) = built.allocations
+        assert told.hypothesis.span == span
+        assert np.abs(design[list(told.hypothesis.sources)] - design[table]).max() < 0.010
+
+
 @pytest.mark.slow
 def test_errors_are_honest_and_exchanges_are_found() -> None:
     """On 10 random lines the taut lengths lie within 2 standard errors as often as they should,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import tautwire as tw
 from tautwire.measured.alignment import Alignment, align
 from tautwire.measured.faults import find_faults, without_faulty_samples
 from tautwire.measured.processing import (
@@ -22,7 +24,7 @@ from tautwire.measured.recording import Recording
 from tautwire.measured.summary import force_events, stretch_statistics
 from tautwire.signals.filters import SharpLowpass
 
-from ..recordings import RATE, SPANS, STRIP_MASS, Truth, passage, record
+from ..recordings import DIALECTS, RATE, SPANS, STRIP_MASS, Truth, passage, record, write_file
 
 Array = NDArray[np.float64]
 Spoil = Callable[[Recording, np.random.Generator], Recording]
@@ -169,6 +171,56 @@ def test_faults_are_named(kind: str, seeds: range) -> None:
             record(passage(), seed, sensors=sensors), np.random.default_rng(seed)
         )
         if kind not in {fault.kind for fault in find_faults(spoiled)}:
+            missed.append(seed)
+    assert len(missed) <= len(seeds) // 20, missed
+
+
+FILES = [
+    pytest.param(range(3), id="3"),
+    pytest.param(range(3, 60), id="60", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize("seeds", FILES)
+def test_the_force_is_the_true_one_through_files(seeds: range, tmp_path: Path) -> None:
+    """Written in the dialects of three recorders and read without a mapping, recordings raise no
+    alarm and give the force within 2 N rms, mean and standard deviation within 1 %."""
+    for seed in seeds:
+        dialect = DIALECTS[seed % len(DIALECTS)]
+        path = write_file(_made(seed), tmp_path / f"{seed}.{_ENDING[dialect]}", dialect)
+        recording = tw.load_recording(path)
+        assert find_faults(recording) == (), (seed, dialect)
+        signal = _corrected(recording)
+        truth = _true_20_hz(signal.time)
+        known = ~np.isnan(signal.force)
+        assert known.all(), seed
+        assert np.sqrt(np.mean((signal.force - truth) ** 2)) < 2.0
+        assert signal.force.mean() == pytest.approx(truth.mean(), rel=0.01)
+        assert signal.force.std() == pytest.approx(truth.std(), rel=0.01)
+
+
+_ENDING = {"plain": "csv", "German": "txt", "MAT": "mat"}
+
+
+ONE_OF_20 = [
+    pytest.param(range(1), id="1"),
+    pytest.param(range(1, 20), id="20", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize("seeds", ONE_OF_20)
+@pytest.mark.parametrize("kind", FAULTS)
+def test_faults_are_named_through_files(kind: str, seeds: range, tmp_path: Path) -> None:
+    """An injected fault is found in what was read from a file; one in twenty may be missed."""
+    missed = []
+    for seed in seeds:
+        sensors = 4 if kind == "swapped strips" else _sensors(seed)
+        clean = record(passage(), seed, sensors=sensors)
+        dialect = DIALECTS[seed % len(DIALECTS)]
+        spoiled = FAULTS[kind](clean, np.random.default_rng(seed))
+        path = write_file(spoiled, tmp_path / f"{seed}.{_ENDING[dialect]}", dialect)
+        recording = tw.load_recording(path)
+        if kind not in {fault.kind for fault in find_faults(recording)}:
             missed.append(seed)
     assert len(missed) <= len(seeds) // 20, missed
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -287,11 +288,29 @@ def _matched(
             aside.append(cell)
         else:
             uses.append(Use(column, cell, found.field, found.unit, found.strip, found.sensor))
+    uses = _named_supports(sheet, row, uses, fields)
     names = {use.field.name for use in uses}
     if not all(any(name in names for name in group) for group in needs):
         return None
     first = row + (2 if units else 1)
     return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside))
+
+
+def _named_supports(
+    sheet: Sheet, row: int, uses: Sequence[Use], fields: Sequence[Field]
+) -> list[Use]:
+    """Read a column of numbers of supports as names where it holds any other than numbers."""
+    mast = next((field for field in fields if field.name == "mast"), None)
+    if mast is None or any(use.field is mast for use in uses):
+        return list(uses)
+    rows = sheet.rows[row + 1 :]
+
+    def is_name(use: Use) -> bool:
+        cells = (cells[use.column] for cells in rows if use.column < len(cells))
+        return any(isinstance(c, str) and re.search(r"[^0-9.,\s]", c) for c in cells)
+
+    return [replace(use, field=mast) if use.field.name == "support" and is_name(use) else use
+            for use in uses]  # fmt: skip
 
 
 def _units_below(sheet: Sheet, row: int) -> dict[int, str]:

@@ -205,6 +205,8 @@ def _tried(
             one = estimate(line, observed, other, line.at(values, plain.shape.taut))
         except ConvergenceError:  # no such line hangs: it is not the one that was surveyed
             continue
+        if not one.is_reached:
+            continue
         gain = 0.5 * (plain.cost - one.cost)
         found.append(_Tried(hypotheses[number], gain, other, one))
     return sorted(found, key=lambda one: -one.gain)

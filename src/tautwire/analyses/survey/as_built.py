@@ -15,7 +15,7 @@ from tautwire.analyses.survey.estimate import Estimate, Prior, estimate
 from tautwire.analyses.survey.observations import Observations
 from tautwire.analyses.survey.surveyed_line import SurveyedLine
 from tautwire.analyses.threads import single_threaded
-from tautwire.errors import InputError
+from tautwire.errors import ConvergenceError, InputError
 from tautwire.measured.survey import Reading, Survey
 from tautwire.model.build import build
 from tautwire.specs.case import Case
@@ -203,6 +203,11 @@ def as_built(
     prior = Prior(line.design.values, deviation)
     plain = estimate(line, observed, prior)
     allocations, prior, found = find_allocation_errors(line, observed, prior, plain)
+    if not found.is_reached:
+        raise ConvergenceError(
+            "survey: no equilibrium was found near the estimate, and no exchange of droppers "
+            "explains it; check the readings for gross errors, or state a larger --accuracy"
+        )
     droppers, values = _droppers(line, found)
     built = with_values(designed, line, values)
     find_design(build(built))

@@ -9,7 +9,7 @@ heights do not depend on its length any more, only on its not being shorter.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,8 @@ class Estimate:
         Readings less their estimates, over their accuracy.
     cost : float
         What was minimised.
+    is_reached : bool
+        False where no equilibrium was found on the way to something better.
     """
 
     shape: Shape
@@ -68,6 +70,7 @@ class Estimate:
     bound_errors: Array
     residuals: Array
     cost: float
+    is_reached: bool = True
 
     @property
     def errors(self) -> Array:
@@ -86,10 +89,16 @@ def estimate(
     start
         Where to begin; at the mean of the prior by default.
 
+    Returns
+    -------
+    Estimate
+        The best one on the way. It is not reached where droppers hang so far from where the survey
+        has them that no line in between is in equilibrium.
+
     Raises
     ------
     ConvergenceError
-        When no line is found in equilibrium on the way.
+        When there is no equilibrium to begin with.
     """
     shape = start or line.at(prior.mean, line.design.taut)
     best: Estimate | None = None
@@ -99,22 +108,22 @@ def estimate(
             best = here
         if np.abs(values - shape.values).max() < _SETTLED:
             break
-        shape = _towards(line, shape, values)
+        further = _towards(line, shape, values)
+        if further is None:
+            return replace(best, is_reached=False)
+        shape = further
     assert best is not None
     return best
 
 
-def _towards(line: SurveyedLine, shape: Shape, values: Array) -> Shape:
+def _towards(line: SurveyedLine, shape: Shape, values: Array) -> Shape | None:
     """Return the line at some values, or as far on the way there as it can be followed."""
     for share in _SHARES:
         try:
             return line.at(shape.values + share * (values - shape.values), shape.taut)
         except ConvergenceError:
             continue
-    raise ConvergenceError(
-        "survey: no equilibrium was found near the estimate; check the readings for gross errors, "
-        "or state a larger --accuracy"
-    )
+    return None
 
 
 def _step(
