@@ -5,6 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
+from tautwire.cli.session import Interrupted
+
 from ..verification.test_rank import design, wrong
 from .conftest import Invoke
 
@@ -32,3 +36,20 @@ def test_refuses_a_line_that_is_as_designed(invoke: Invoke, tmp_path: Path) -> N
     refused = invoke("rank", path, path)
     assert refused.code == 2
     assert "--least" in refused.err
+
+
+def test_a_stop_says_what_is_kept(
+    invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a folder, a signal keeps what is finished, and the message says where."""
+    path = tmp_path / "line.json"
+    path.write_text(json.dumps(design(3).to_dict()), encoding="utf-8")
+
+    def stopped(*_: object, **__: object) -> None:
+        raise Interrupted(2)
+
+    monkeypatch.setattr("tautwire.cli.commands.measuring.rank.rank", stopped)
+    told = invoke("rank", path, path, "--out", "out")
+    assert told.code == 130
+    assert "what is finished is kept in" in told.err
+    assert "nothing was kept" in invoke("rank", path, path).err

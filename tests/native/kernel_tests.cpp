@@ -7,6 +7,7 @@
 #include "chain/exact.hpp"
 #include "chain/preconditioner.hpp"
 #include "line/forces.hpp"
+#include "motion/selection.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 namespace {
@@ -157,7 +158,9 @@ void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double k
     const double compliance[1] = {1.0 / kappa};
     Buffer<Row> rows(layout.rows);
     for (int k = 0; k < 6 * layout.nodes; ++k) value(rows, layout, k / 6, k % 6) = b[k];
-    matrix.begin_elimination(layout.whole());
+    const RowSet whole(layout);
+    matrix.begin_elimination(whole);
+    matrix.begin_run(whole.runs[0]);
     for (int row = 0; row < layout.rows; ++row) matrix.eliminate(row, rows[row]);
     matrix.finish_elimination();
     expect(matrix.correct(closed, compliance), "couplings are positive definite");
@@ -190,7 +193,7 @@ void test_solvers() {
     const int contact = 5, n = 6 * layout.nodes;
 
     Buffer<Row> still(layout.rows), force(layout.rows);
-    attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, layout.whole());
+    attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, RowSet(layout));
     attached.release(force);
     expect(attached.acting_ties()[0] && !attached.acting_ties()[1], "one tie is taut, one slack");
     bool is_clean = true;
@@ -217,6 +220,35 @@ void test_solvers() {
     solve_by(fast, layout, b, kappa, x);
     // What is cut off couplings costs 0.002 each; geometric stiffness of ties is left out.
     expect(distance(x, expected) <= 5e-3, "the preconditioner nearly solves the dense system");
+}
+
+// Rows are chosen round the ends of the pieces, and what was learned leaves them out again.
+void test_selection() {
+    const Layout layout(61 * kPieces);
+    Selection selection(layout);
+    Buffer<Floats> sizes(layout.rows);
+    const List<int> touched;
+    selection.begin(1e-3);
+    expect(selection.verifies(), "a first step iterates everywhere");
+    expect(!selection.choose(sizes, 1.0f, touched, true), "nothing is chosen where nothing moves");
+    sizes[0][1] = 2.0f;  // its neighbour is the end of piece 0
+    expect(selection.choose(sizes, 1.0f, touched, true), "an increment above the bound is chosen");
+    const RowSet& rows = selection.rows;
+    expect(rows.formed[0] && rows.formed[layout.rows - 1] && !rows.formed[30], "with its neighbours");
+    bool inside = true;
+    for (int row = 0; row < layout.rows; ++row) inside &= rows.solved[row] || !rows.formed[row];
+    expect(inside, "what is formed is solved for");
+    expect(rows.runs.size() == 1 && rows.runs[0].first > 30, "one run goes round the end");
+    for (int step = 0; step < 40; ++step) {
+        sizes[0][1] = 0.01f;
+        expect(selection.learn(sizes, 1.0f, true) < 1.0, "nothing was overlooked");
+        sizes[0][1] = 2.0f;
+        selection.choose(sizes, 1.0f, touched, true);
+        sizes[0][1] = 2.0f;
+    }
+    expect(!selection.choose(sizes, 1.0f, touched, true), "a small share is learned");
+    sizes[0][1] = 3.0f;
+    expect(selection.learn(sizes, 1.0f, true) == 3.0, "what is overlooked is told");
 }
 
 // Energy of one element per lane from the formula at the head of element.hpp, by the same rule.
@@ -284,6 +316,7 @@ int main() {
     using namespace tautwire::TAUTWIRE_ISA;
     test_layout();
     test_solvers();
+    test_selection();
     test_element();
     return failures == 0 ? 0 : 1;
 }

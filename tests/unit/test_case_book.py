@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import fields, replace
 from datetime import datetime
@@ -24,6 +25,7 @@ from tautwire.report.parts.tables import write_dropper_table
 from tautwire.specs.case import Case
 from tautwire.tables.columns import fields_of
 from tautwire.tables.headings import read_heading
+from tautwire.text import csv_text
 
 from .test_line_tables import SPANS, SUPPORTS, WIRES, workbook
 
@@ -85,6 +87,45 @@ def test_rows_give_the_same_mesh(name: str, tmp_path: Path) -> None:
         for item in fields(getattr(ours, part)):
             pair = (getattr(getattr(system, part), item.name) for system in (ours, theirs))
             assert np.array_equal(*pair, equal_nan=item.name == "axial"), (part, item.name)
+
+
+@pytest.mark.parametrize("name", TOPOLOGIES)
+def test_tables_of_wires_name_every_wire(name: str, tmp_path: Path) -> None:
+    """Supports, droppers and wires of any topology from three CSV files give the same line and the
+    same mesh to the bit, roles, sides and clamps of the wires included."""
+    case = load_case(name, COARSE)
+    numbers = ("tension", "mass", "axial_stiffness", "bending_stiffness", "side", "from_", "to",
+               "clamp", "below")  # fmt: skip
+    heads = ("wire", "wire role", "clamped_to", *(word.rstrip("_") for word in numbers))
+    wires = [
+        (wire_name, wire.role, wire.clamped_to, *(getattr(wire, word) for word in numbers))
+        for wire_name, wire in case.wires.named()
+    ]
+    kept = ("droppers", "supports", "wires")
+    sheets = {**case_sheets(case), "wires": [heads, *wires]}
+    for kind in kept:
+        text = csv_text(sheets[kind][0], [["" if v is None else v for v in row]
+                                          for row in sheets[kind][1:]])  # fmt: skip
+        (tmp_path / f"{kind}.csv").write_text(text, encoding="utf-8")
+    data = {key: value for key, value in case.to_dict().items() if key != "wires"}
+    named = dict(case.wires.named())
+    for key in ("spans", "span_length", "masts", "chainage"):
+        data["line"].pop(key)
+    for one in data["droppers"] if isinstance(data["droppers"], list) else [data["droppers"]]:
+        for key in ("positions", "presag", "lengths"):
+            one.pop(key)
+    for key in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger"):
+        data["supports"].pop(key)
+    data |= {"name": "mine", "tables": {kind: f"{kind}.csv" for kind in kept}, "sources": []}
+    (tmp_path / "mine.json").write_text(json.dumps(data), encoding="utf-8")
+    again = load_case(tmp_path / "mine.json")
+    assert {key: wire.role for key, wire in again.wires.named()} == {
+        key: wire.role for key, wire in named.items()
+    }
+    one, other = build(case), build(again)
+    assert np.array_equal(one.mesh.s, other.mesh.s)
+    assert np.array_equal(one.form.system.position, other.form.system.position)
+    assert np.array_equal(one.form.system.load, other.form.system.load)
 
 
 def told_arms(case: Case) -> set[str]:

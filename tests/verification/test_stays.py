@@ -22,6 +22,7 @@ from tautwire.report.parts.fitting_words import stay_state, stays_of
 from tautwire.specs.case import Case
 
 from ..lines import HAS_CORE, ac_simple, entering, found, loaded, out_of_balance
+from .test_bodies import alone
 from .test_conditions import states
 
 STAY = {"name": "wind stay", "wire": "contact", "span": 2, "at": 13.0, "stiffness": 3e4}
@@ -78,6 +79,23 @@ def test_slack_is_run_through_first() -> None:
     u = -pushed(system, node, -400.0)
     assert u > slack
     assert pytest.approx(wires * u + 3e4 * (u - slack), rel=5e-3) == 400.0
+
+
+@pytest.mark.parametrize("law", ["rope", "strut", "bar"])
+def test_a_stay_pulls_in_the_design(law: str) -> None:
+    """A wire alone goes F a b/(T L) sideways where a stay pulls with F, and stays in balance."""
+    force, at = 150.0, 20.0
+    plain = alone(settings__nodes_between_droppers=41)
+    case = plain.with_(stays=[{**STAY, **FAR, "at": at, "law": law, "force": force}])
+    _, shape, system = found(case)
+    assert out_of_balance(system, system.position) < 1e-4
+    assert shape.reaction == pytest.approx(shape.weight, rel=1e-8)
+    (stay,) = stays_of(case)
+    sign = -1.0 if law == "strut" else 1.0
+    assert stay_state(shape, stay)[1] == pytest.approx(sign * force, rel=1e-3)
+    y = float(np.interp(55.0 + at, shape.contact.s, shape.contact.position[:, 1]))
+    exact = sign * force * at * (55.0 - at) / (case.wires.contact.tension * 55.0)
+    assert y == pytest.approx(exact, rel=0.01)  # slope-continuous elements round the kink off
 
 
 def windy(**numbers: Any) -> Case:
@@ -183,8 +201,25 @@ def test_a_table_says_the_same_as_keys(tmp_path: Path, capsys: pytest.CaptureFix
     ]
 
 
+def test_the_side_of_a_far_end_follows_the_chainage(tmp_path: Path) -> None:
+    """Beside falling chainages the far ends of a table keep their side of rising chainage."""
+    (tmp_path / "stays.csv").write_text(TABLE, encoding="utf-8")
+    path = tmp_path / "mine.yaml"
+    text = HEAD.replace("line: {spans: 4}\n", "")
+    path.write_text(text + "tables: {stays: stays.csv, supports: masts.csv}\n", encoding="utf-8")
+    found = []
+    for chainages in ((0, 55, 110, 165, 220), (220, 165, 110, 55, 0)):
+        rows = "".join(f"{n};{x};0.2\n" for n, x in enumerate(chainages, 1))
+        table = f"support;chainage [m];contact_stagger [m]\n{rows}"
+        (tmp_path / "masts.csv").write_text(table, encoding="utf-8")
+        case = load_case(path)
+        found.append([*(one.end_y for one in case.stays), case.supports.contact_staggers(5)[0]])
+    assert found == [[3.1, -3.0, 0.2], [-3.1, 3.0, -0.2]]
+
+
 REFUSED = {
     "slack bar": ({"law": "bar", "slack": 0.01}, "stays[1].slack (stay 'wind stay'): belongs to"),
+    "slack and force": ({"force": 50.0, "slack": 0.01}, "one that is slack has no force"),
     "no such wire": ({"wire": "stitch"}, "stays[1].wire (stay 'wind stay'): got 'stitch'; there"),
     "no such law": ({"law": "chain"}, "stays[1].law (stay 'wind stay'): got 'chain'; choose"),
     "no stiffness": ({"stiffness": 0.0}, "stays[1].stiffness (stay 'wind stay'): got 0"),

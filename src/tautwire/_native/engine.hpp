@@ -83,7 +83,9 @@ enum class Outcome { running, not_converged, singular, not_finite, off_the_line,
 
 struct Counters {
     std::int64_t steps, iterations, refactorisations, full_newton_steps;
-    std::int64_t local_iterations;  // around the contacts alone
+    std::int64_t local_iterations;  // in some rows alone
+    std::int64_t local_rows;        // rows of local iterations
+    double overlooked;              // largest increment where none above the tolerance was expected [m]
 };
 
 // Wall time spent in the parts of the work so far [s].

@@ -64,11 +64,12 @@ public:
     void restore(nb::object state) {
         engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
     }
-    std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t> counters()
-        const {
+    std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t,
+               double>
+    counters() const {
         const Counters c = engine_->counters();
         return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps,
-                c.local_iterations};
+                c.local_iterations, c.local_rows, c.overlooked};
     }
 
 private:

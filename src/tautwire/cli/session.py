@@ -49,10 +49,15 @@ class Interrupted(BaseException):
     ----------
     number
         Number of the signal.
+
+    Attributes
+    ----------
+    kept : str
+        What becomes of the work so far.
     """
 
     def __init__(self, number: int) -> None:
-        self.number = number
+        self.number, self.kept = number, "nothing was kept"
         super().__init__(f"interrupted by signal {number}")
 
 
@@ -193,7 +198,7 @@ def _explain(error: BaseException) -> tuple[str, Sequence[str], int]:
     if isinstance(error, OutputError):
         return "output", error.problems, FAILED
     if isinstance(error, Interrupted):
-        return "interrupted", ["interrupted; nothing was kept"], 128 + error.number
+        return "interrupted", [f"interrupted; {error.kept}"], 128 + error.number
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", ["interrupted; nothing was kept"], 130
     if isinstance(error, MemoryError):

@@ -90,7 +90,9 @@ def _on_another(bodies: Iterable[Body], run: Run, ends: tuple[float, float]) -> 
 
 def _stay(run: Run, spec: Stay, s: float) -> WireStay:
     end = (spec.end_along, spec.end_y, spec.end_z)
-    return WireStay(spec.name, At(run.name, s), end, LAWS[spec.law], spec.stiffness, spec.slack)
+    pull = -spec.force if spec.law == "strut" else spec.force
+    law = LAWS[spec.law]
+    return WireStay(spec.name, At(run.name, s), end, law, spec.stiffness, spec.slack, pull)
 
 
 def _touching(points: list[float], s: float) -> float:

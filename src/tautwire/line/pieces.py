@@ -247,7 +247,7 @@ class Body:
 
 @dataclass(frozen=True)
 class WireStay:
-    """A stay from a wire to a fixed point, without force in the design.
+    """A stay from a wire to a fixed point.
 
     Attributes
     ----------
@@ -260,6 +260,8 @@ class WireStay:
     stiffness : float N/m
     slack : float m
         Change of the distance until it acts.
+    pull : float N
+        In the design; negative for a push.
     """
 
     name: str
@@ -268,10 +270,12 @@ class WireStay:
     law: int
     stiffness: float
     slack: float
+    pull: float
 
-    def length(self, distance: float) -> float:
-        """Return the unstrained length where the far end is at a distance in the design [m]."""
-        return distance + (self.slack if self.law == TENSION_ONLY else -self.slack)
+    def length(self, distance: float, pull: float) -> float:
+        """Return the unstrained length where it pulls at a distance in the design [m]."""
+        slack = self.slack if self.law == TENSION_ONLY else -self.slack
+        return distance + slack - pull / self.stiffness
 
 
 @dataclass(frozen=True)

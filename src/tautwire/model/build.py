@@ -13,7 +13,7 @@ from tautwire.line.pieces import GivenHeight, Line, Run
 from tautwire.model.guess import Guess, guess_shape
 from tautwire.model.irregularity import draw_irregularities
 from tautwire.model.mesh import Mesh, Strand, divide
-from tautwire.model.registrations import design_stays, groups
+from tautwire.model.registrations import design_stays, groups, pulling_stays
 from tautwire.numerics.network.parts import (
     TENSION_ONLY,
     Cables,
@@ -79,15 +79,16 @@ def build(case: Case) -> Model:
     lumped = _lumped_masses(line, mesh)
     errors = (drawn.dropper_height, drawn.dropper_length)
     guess = guess_shape(line, mesh, lumped * gravity, gravity, errors)
+    position = _positions(line, mesh, guess).ravel()
     system = System(
         cables=_cables(line, mesh, guess),
         ties=_hangers(line, mesh, guess.length),
         clamps=_joints(line, mesh),
-        stays=design_stays(line, mesh),
+        stays=design_stays(line, mesh).joined(pulling_stays(line, mesh, position)),
         node_mass=lumped,
         load=_design_loads(line, mesh, lumped, gravity),
         fixed=np.zeros(6 * mesh.node_count, dtype=bool),
-        position=_positions(line, mesh, guess).ravel(),
+        position=position,
         paths=tuple(
             Path(strand.run.name, strand.nodes, strand.cables)
             for strand in mesh.strands

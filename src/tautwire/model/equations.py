@@ -107,7 +107,8 @@ def at_rest(
         held[group.nodes, 1] = rest.is_held_sideways
         mass[group.nodes] += rest.added_mass
     held_heels(line, mesh, held, broken)
-    stays = stays.joined(uplift_stops(line, mesh, shape, broken), wire_stays(line, mesh, shape))
+    stays = stays.joined(uplift_stops(line, mesh, shape, broken))
+    stays = stays.joined(wire_stays(line, mesh, shape, built.stays))
     system = built.with_(
         position=shape.position,
         cables=built.cables.with_(length=shape.cable_lengths),

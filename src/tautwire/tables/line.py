@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from tautwire.errors import InputError
+from tautwire.specs.line.wire import ROLES
 from tautwire.tables.columns import role_of
 from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
@@ -21,6 +22,10 @@ _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
 """What spreadsheets make of names such as 12/1."""
 APART = 0.1
 """Difference of a span from the positions of its ends that is more than rounding to 0.1 m [m]."""
+_WIRE_NUMBERS = ("tension", "mass", "axial_stiffness", "bending_stiffness", "diameter",
+                 "thermal_expansion", "strength", "side", "from", "to", "clamp",
+                 "below")  # fmt: skip
+"""Columns of a table of wires that hold numbers."""
 SECTIONS = {
     "supports": ("line", "supports"),
     "droppers": ("droppers",),
@@ -111,8 +116,7 @@ def _supports(rows: Rows, result: LineTables) -> None:
         line["span_length"] = lengths
         for index in range(len(lengths)):
             result.origins["line", "span_length", index] = rows.place(index, column)
-    chainage = line.get("chainage", (0.0, 0.0))
-    sign = -1.0 if (rows.mapping.positive == "right") != (chainage[-1] < chainage[0]) else 1.0
+    sign = _side(rows, line)
     supports: dict[str, Any] = {}
     for name in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger", "hinge"):
         if (values := rows.full(name)) is not None:
@@ -127,6 +131,12 @@ def _supports(rows: Rows, result: LineTables) -> None:
             factor = sign if name in LATERAL else 1.0
             supports[name] = [None if v is None else factor * v + 0.0 for v in given]
     result.values |= {"line": line} | ({"supports": supports} if supports else {})
+
+
+def _side(rows: Rows, line: dict[str, Any]) -> float:
+    """Return the sign that lateral positions of a sheet have to the left of rising distance."""
+    chainage = line.get("chainage", (0.0, 0.0))
+    return -1.0 if (rows.mapping.positive == "right") != (chainage[-1] < chainage[0]) else 1.0
 
 
 def _places(rows: Rows, result: LineTables) -> dict[str, Any]:
@@ -246,20 +256,25 @@ def _sources(rows: Rows, result: LineTables) -> None:
 
 def _wires(rows: Rows, result: LineTables) -> None:
     wires: dict[str, Any] = {}
-    columns: dict[str, Sequence[Any]] = {}
-    for name in ("tension", "mass", "axial_stiffness", "bending_stiffness"):
-        if (values := rows.numbers(name)) is not None:
-            columns[name] = values
-    if (types := rows.texts("use")) is not None:
-        columns["use"] = types
+    columns: dict[str, Sequence[Any]] = {
+        name: values for name in _WIRE_NUMBERS if (values := rows.numbers(name)) is not None
+    }
+    for key, name in (("use", "use"), ("clamped_to", "clamped_to"), ("role", "wire_role")):
+        if (texts := rows.texts(name)) is not None:
+            columns[key] = texts
     named = {one.path.split(".")[1] for one in result.said if one.path.startswith("wires.")}
     for index, name in enumerate(rows.texts("wire") or []):
-        role = name if name in named else role_of(name or "")
-        if role is None:
-            rows.complain(index, "wire", f"got {name!r}; a wire is a contact wire or a messenger")
-            continue
-        given = {key: values[index] for key, values in columns.items()}
-        wires[role] = {key: value for key, value in given.items() if value is not None}
+        given = {key: values[index] for key, values in columns.items() if values[index] is not None}
+        is_own = name in named or name in ROLES or (name and "role" in given)
+        known = name if is_own else role_of(name or "")
+        if known is None:
+            text = (
+                f"got {name!r}; a wire is a contact wire or a messenger, or has a role: "
+                f"{', '.join(ROLES)} (column 'wire role')"
+            )
+            rows.complain(index, "wire", text)
+        else:
+            wires[known] = given
     result.values["wires"] = wires
 
 
@@ -269,7 +284,7 @@ def _bodies(rows: Rows, result: LineTables) -> None:
 
 
 def _stays(rows: Rows, result: LineTables) -> None:
-    numbers = ("stiffness", "slack", "end_along", "end_y", "end_z")
+    numbers = ("stiffness", "slack", "force", "end_along", "end_y", "end_z")
     _fittings(rows, result, {"name": "stay", "law": "law"}, numbers)
 
 
@@ -284,7 +299,9 @@ def _fittings(
     for key, name in (texts | {"wire": "wire", "tension_length": "tension_length"}).items():
         columns[key] = rows.texts(name) or ()
     for name in numbers:
-        columns[name] = rows.numbers(name) or ()
+        sign = _side(rows, result.values.get("line", {})) if name in LATERAL else 1.0
+        values = rows.numbers(name) or ()
+        columns[name] = [None if value is None else sign * value + 0.0 for value in values]
     kind = rows.mapping.kind
     result.values[kind] = [
         {key: values[index] for key, values in columns.items()

@@ -15,7 +15,7 @@ MOST_PROBLEMS = 1000
 """Cells of which a sheet complains before the rest is only counted."""
 
 
-LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y")
+LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y", "end_y")
 """Columns that change their sign with the side on which they are positive."""
 
 

@@ -23,18 +23,27 @@ public:
 
     bool factor(const Buffer<NodeBlocks>& blocks);
 
-    // Forward sweep: begin_elimination, call for every row of the range, then finish_elimination. In
-    // a part of the chain the right-hand side outside is zero, and so is the solution.
-    void begin_elimination(RowRange range) { range_ = range; }
+    // Forward sweep: begin_elimination, then begin_run and a call for every row of each run, then
+    // finish_elimination. Outside the runs the right-hand side is zero, and so is the solution.
+    void begin_elimination(const RowSet& set) { set_ = &set; }
+    void begin_run(const Run& run) { first_ = run.first; }
     TAUTWIRE_INLINE void eliminate(int row, Floats (&rhs)[6]) {
         Floats* y = &y_[row * 6];
-        if (row > range_.first) subtract_lower(row, &y_[(row - 1) * 6], rhs);
+        if (row != first_) {
+            if (row > 0) {
+                subtract_lower(row, &y_[(row - 1) * 6], rhs);
+            } else {
+                Floats before[6];
+                for (int i = 0; i < 6; ++i) before[i] = to_next_piece(y_[(layout_.rows - 1) * 6 + i]);
+                subtract_lower(row, before, rhs);
+            }
+        }
         for (int i = 0; i < 6; ++i) y[i] = rhs[i];
     }
 
     // Bring in what the last nodes of the pieces before contribute.
     void finish_elimination() {
-        if (!layout_.is_whole(range_)) return;
+        if (!set_->whole) return;
         Floats carry[6];
         for (int i = 0; i < 6; ++i) carry[i] = y_[(layout_.rows - 1) * 6 + i];
         for (int step = 0; step < forward_reach_; ++step) {
@@ -51,16 +60,19 @@ public:
         }
     }
 
-    // Backward sweep: begin_substitution, then call for the last row to the first.
+    // Backward sweep: for each run begin_substitution, then a call for the last row to the first, with
+    // cross_back where the run goes round the ends of the pieces.
     void begin_substitution() {
         for (Floats& value : x_) value = broadcast<Floats>(0.0);
-        if (!layout_.is_whole(range_)) return;
+        if (!set_->whole) return;
         for (int step = backward_reach_ - 1; step >= 0; --step) {
             const int row = step % layout_.rows;
             substitute(row);
-            if (row == 0)
-                for (Floats& value : x_) value = to_previous_piece(value);
+            if (row == 0) cross_back();
         }
+    }
+    void cross_back() {
+        for (Floats& value : x_) value = to_previous_piece(value);
     }
 
     TAUTWIRE_INLINE const Block& substitute(int row) {
@@ -77,7 +89,7 @@ public:
 
     // The eliminated right-hand side, as numbers (see Layout::in_floats).
     float* eliminated() { return reinterpret_cast<float*>(y_.data()); }
-    RowRange range() const { return range_; }
+    const RowSet& set() const { return *set_; }
 
     // Eliminate a right-hand side on `node` and the next: call visit(node, w, z, d) with w = L^-1 rhs,
     // z = D^-1 w and the diagonal d of D^-1, node by node until visit returns false.
@@ -144,7 +156,8 @@ private:
     Buffer<Floats> inverse_;  // [row][upper triangle]
     Buffer<Floats> y_;        // [row][i]
     Floats x_[6];
-    RowRange range_{0, -1};
+    const RowSet* set_ = nullptr;  // of the iteration in progress
+    int first_ = 0;                // row of the run in progress
     int forward_reach_ = 0, backward_reach_ = 0;
 };
 

@@ -64,21 +64,13 @@ private:
         int k, l, e, f;  // couplings k >= l, ends
         double response;
     };
-    // S of the couplings with at least one end in a range of rows.
-    struct Part {
-        Skyline matrix;
-        List<unsigned char> inside, active;
-        RowRange range;
-        int factored;  // rows that are up to date
-    };
-
     void list(const Factors& factors, const Buffer<Row>& state, const Buffer<int>& rank);
     void sort();
     void add_ends(const Chain& chain, int k);
     void add_end(const Chain& chain, int k, int node, const double (&rhs)[2][6]);
     void cut(int k);
     void pair_up(int e, int f);
-    double response(const End& e, const End& f, RowRange range) const;
+    double response(const End& e, const End& f) const;
     bool acts(const Coupling& coupling, const bool* closed) const {
         switch (coupling.gate) {
             case Gate::tie: return attached_.acting_ties()[coupling.index];
@@ -87,11 +79,12 @@ private:
             default: return true;
         }
     }
-    void enclose(RowRange range);
-    bool prepare(Part& part, const bool* closed, const double* compliance);
-    void fill(Part& part, int from, const double* compliance);
+    bool prepare(const bool* closed, const double* compliance);
+    void fill(int from, const double* compliance);
     template <bool kWhole>
-    void apply(const Part& part, float* y);
+    void apply(const RowSet& set, float* y);
+    template <bool kWhole, class F>
+    void visit(const End& end, const RowSet& set, F work) const;
 
     static int row_of(const Entry& entry) { return entry.at / (6 * kPieces); }
 
@@ -106,7 +99,9 @@ private:
     int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
-    Part whole_, part_;
+    Skyline matrix_;       // S
+    List<unsigned char> active_;
+    int factored_ = 0;  // rows of S that are up to date
     Buffer<double> small_;
 };
 
@@ -185,21 +180,15 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     Buffer<int> first(line_count_);
     for (int k = 0; k < line_count_; ++k) first[k] = k;
     for (const Pair& pair : pairs_) first[pair.k] = first[pair.k] < pair.l ? first[pair.k] : pair.l;
-    for (Part* part : {&whole_, &part_}) {
-        part->matrix.clear();
-        part->inside.shorten(0);
-        part->active.shorten(0);
-        for (int k = 0; k < line_count_; ++k) {
-            part->matrix.add_row(first[k]);
-            part->inside.push(1);
-            part->active.push(1);
-        }
-        part->range = line_.layout.whole();
-        part->factored = 0;
+    matrix_.clear();
+    active_.shorten(0);
+    for (int k = 0; k < line_count_; ++k) {
+        matrix_.add_row(first[k]);
+        active_.push(1);
     }
-    fill(whole_, 0, nullptr);
-    const bool done = whole_.matrix.factor(0);
-    whole_.factored = done ? line_count_ : 0;
+    fill(0, nullptr);
+    const bool done = matrix_.factor(0);
+    factored_ = done ? line_count_ : 0;
     return done;
 }
 
@@ -270,12 +259,12 @@ inline void Couplings::cut(int k) {
     sizes_.shorten(0);
 }
 
-inline double Couplings::response(const End& e, const End& f, RowRange range) const {
+inline double Couplings::response(const End& e, const End& f) const {
     double sum = 0.0;
     for (int m = e.first, n = f.first; m < e.last && n < f.last;) {
         const Entry &a = entries_[m], &b = entries_[n];
         const int at = dofs_[m], other = dofs_[n];
-        if (at == other && range.contains(row_of(a)))
+        if (at == other)
             sum += 0.5 * (static_cast<double>(a.w) * b.z + static_cast<double>(a.z) * b.w);
         m += at <= other;
         n += other <= at;
@@ -285,7 +274,7 @@ inline double Couplings::response(const End& e, const End& f, RowRange range) co
 
 inline void Couplings::pair_up(int e, int f) {
     int k = ends_[e].coupling, l = ends_[f].coupling;
-    const double g = response(ends_[e], ends_[f], line_.layout.whole());
+    const double g = response(ends_[e], ends_[f]);
     const double kappa = std::sqrt(couplings_[k].kappa * couplings_[l].kappa);
     if (k != l && std::fabs(g) * kappa < kContraction) return;
     if (k < l) {
@@ -303,11 +292,8 @@ inline void Couplings::clear_contacts() {
     entries_.shorten(line_entries_);
     dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
-    for (Part* part : {&whole_, &part_}) {
-        part->matrix.shorten(line_count_);
-        part->inside.shorten(line_count_);
-        part->active.shorten(line_count_);
-    }
+    matrix_.shorten(line_count_);
+    active_.shorten(line_count_);
 }
 
 inline void Couplings::add_contact(
@@ -328,117 +314,88 @@ inline void Couplings::add_contact(
     int first = line_count_;
     for (std::size_t n = line_pairs_; n < pairs_.size(); ++n)
         if (pairs_[n].k == k && pairs_[n].l < first) first = pairs_[n].l;
-    for (Part* part : {&whole_, &part_}) {
-        part->matrix.add_row(first);
-        part->inside.push(part->range.contains(ends_[e].row));
-        part->active.push(0);
-    }
+    matrix_.add_row(first);
+    active_.push(0);
 }
 
 // Fill the rows of S from one on; those of couplings that do not act are decoupled.
-inline void Couplings::fill(Part& part, int from, const double* compliance) {
-    const RowRange range = part.range;
-    const int size = part.matrix.size();
-    const bool whole = line_.layout.is_whole(range);
-    part.matrix.reset(from);
+inline void Couplings::fill(int from, const double* compliance) {
+    matrix_.reset(from);
     for (std::size_t n = from < line_count_ ? 0 : line_pairs_; n < pairs_.size(); ++n) {
         const Pair& pair = pairs_[n];
-        if (pair.k < from || !part.active[pair.k] || !part.active[pair.l]) continue;
-        double g = pair.response;
-        if (!whole) {
-            const End &e = ends_[pair.e], &f = ends_[pair.f];
-            if (!range.contains(e.row) || !range.contains(f.row)) continue;
-            const int last = e.last_node > f.last_node ? e.last_node : f.last_node;
-            if (e.row + (last - e.node) > range.last) {
-                const double share = pair.k == pair.l && pair.e != pair.f ? 2.0 : 1.0;
-                g = share * response(e, f, range);
-            }
-        }
-        part.matrix.at(pair.k, pair.l) += g;
+        if (pair.k >= from && active_[pair.k] && active_[pair.l])
+            matrix_.at(pair.k, pair.l) += pair.response;
     }
-    for (int k = from; k < size; ++k) {
-        double& diagonal = part.matrix.at(k, k);
-        if (!part.active[k]) {
+    for (int k = from; k < matrix_.size(); ++k) {
+        double& diagonal = matrix_.at(k, k);
+        if (!active_[k]) {
             diagonal = 1.0;
         } else if (k < line_count_) {
             diagonal += 1.0 / couplings_[k].kappa;
         } else {
             for (int l = line_count_; l <= k; ++l)
-                if (part.active[l])
-                    part.matrix.at(k, l) +=
-                        compliance[(k - line_count_) * contacts() + l - line_count_];
+                if (active_[l])
+                    matrix_.at(k, l) += compliance[(k - line_count_) * contacts() + l - line_count_];
         }
     }
 }
 
-// Bring the factor of a part up to date with what acts.
-inline bool Couplings::prepare(Part& part, const bool* closed, const double* compliance) {
-    int from = part.factored < line_count_ ? part.factored : line_count_;  // contacts change always
-    for (int k = 0; k < part.matrix.size(); ++k) {
-        const bool active = part.inside[k] && acts(couplings_[k], closed);
-        if (part.active[k] == active) continue;
-        part.active[k] = active;
+// Bring the factor of S up to date with what acts.
+inline bool Couplings::prepare(const bool* closed, const double* compliance) {
+    int from = factored_ < line_count_ ? factored_ : line_count_;  // contacts change always
+    for (int k = 0; k < matrix_.size(); ++k) {
+        const bool active = acts(couplings_[k], closed);
+        if (active_[k] == active) continue;
+        active_[k] = active;
         from = from < k ? from : k;
     }
-    fill(part, from, compliance);
-    const bool done = part.matrix.factor(from);
-    part.factored = done ? line_count_ : 0;
+    fill(from, compliance);
+    const bool done = matrix_.factor(from);
+    factored_ = done ? line_count_ : 0;
     return done;
-}
-
-// Make the part of some rows the one that is in use.
-inline void Couplings::enclose(RowRange range) {
-    if (part_.range.first == range.first && part_.range.last == range.last) return;
-    part_.range = range;
-    part_.factored = 0;
-    for (int k = 0; k < part_.matrix.size(); ++k) {
-        bool inside = false;
-        for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
-            inside |= range.contains(ends_[e].row);
-        part_.inside[k] = inside;
-    }
 }
 
 inline bool Couplings::correct(Chain& chain, const bool* closed, const double* compliance) {
     if (couplings_.size() == 0) return true;
-    const RowRange range = chain.range();
-    const bool whole = line_.layout.is_whole(range);
-    if (!whole) enclose(range);
-    Part& part = whole ? whole_ : part_;
-    if (!prepare(part, closed, compliance)) return false;
+    if (!prepare(closed, compliance)) return false;
     small_.grow(couplings_.size());
-    if (whole) apply<true>(part, chain.eliminated());
-    else apply<false>(part, chain.eliminated());
+    if (chain.set().whole) apply<true>(chain.set(), chain.eliminated());
+    else apply<false>(chain.set(), chain.eliminated());
     return true;
 }
 
-template <bool kWhole>
-void Couplings::apply(const Part& part, float* y) {
-    const int size = part.matrix.size();
+// Do something with each entry of an end that is in a solved row.
+template <bool kWhole, class F>
+void Couplings::visit(const End& end, const RowSet& set, F work) const {
     const Entry* entries = entries_.begin();
-    // Entries of an end that are in the range of rows.
-    const auto last_of = [&](const End& end) {
-        if (kWhole) return end.last;
-        int n = end.first;
-        if (part.range.contains(end.row))
-            while (n < end.last && part.range.contains(row_of(entries[n]))) ++n;
-        return n;
-    };
+    int solved = 0, last = end.last_node - end.node;
+    if constexpr (!kWhole)
+        for (int n = 0, row = end.row; n <= last; ++n, row = line_.layout.after(row))
+            solved += set.solved[row];
+    if (kWhole || solved > last) {
+        for (int n = end.first; n < end.last; ++n) work(entries[n]);
+    } else if (solved > 0) {
+        for (int n = end.first; n < end.last; ++n)
+            if (set.solved[row_of(entries[n])]) work(entries[n]);
+    }
+}
+
+template <bool kWhole>
+void Couplings::apply(const RowSet& set, float* y) {
+    const int size = matrix_.size();
     for (int k = 0; k < size; ++k) {
         float sum = 0.0f;
-        if (part.active[k])
+        if (active_[k])
             for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
-                for (int n = ends_[e].first, last = last_of(ends_[e]); n < last; ++n)
-                    sum += entries[n].z * y[entries[n].at];
+                visit<kWhole>(ends_[e], set, [&](const Entry& entry) { sum += entry.z * y[entry.at]; });
         small_[k] = sum;
     }
-    part.matrix.solve(small_.data());
+    matrix_.solve(small_.data());
     for (int k = 0; k < size; ++k) {
-        if (!part.active[k]) continue;
+        if (!active_[k]) continue;
         const float factor = static_cast<float>(small_[k]);
         for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
-            for (int n = ends_[e].first, last = last_of(ends_[e]); n < last; ++n)
-                y[entries[n].at] -= factor * entries[n].w;
+            visit<kWhole>(ends_[e], set, [&](const Entry& entry) { y[entry.at] -= factor * entry.w; });
     }
 }
 

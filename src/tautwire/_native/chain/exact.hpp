@@ -24,13 +24,17 @@ public:
     // Turn a vector of a node to the orientation of the reference state: it is the present one.
     void turn_back(int, double (&)[3]) const {}
 
-    void begin_elimination(RowRange) {}
+    // It is asked for all rows at once, never for some of them.
+    void begin_elimination(const RowSet&) {}
+    void begin_run(const Run&) {}
+    void pass(int) {}
     void set_rotation(int, const Row&) {}
     TAUTWIRE_INLINE void eliminate(int row, const Row& r);
     void finish_elimination() {}
     // Solve, with the contacts that are closed; see Couplings::correct.
     bool correct(const bool* closed, const double* compliance);
     void begin_substitution() {}
+    void cross_back() {}
     TAUTWIRE_INLINE void substitute(int row, Row& out, Floats& size, Floats& total) const;
 
     double scale = 1.0;  // of the solution

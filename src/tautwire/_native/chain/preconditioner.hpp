@@ -64,7 +64,8 @@ public:
         rotate<double>(back, turn.scale[p], x);
     }
 
-    void begin_elimination(RowRange range) { chain_.begin_elimination(range); }
+    void begin_elimination(const RowSet& set) { chain_.begin_elimination(set); }
+    void begin_run(const Run& run) { chain_.begin_run(run); }
     TAUTWIRE_INLINE void eliminate(int row, const Row& r) {
         Floats x[6];
         for (int i = 0; i < 6; ++i) x[i] = join(r[0][i], r[1][i]);
@@ -72,6 +73,12 @@ public:
         const Floats back[3] = {-turn.w[0], -turn.w[1], -turn.w[2]};
         rotate(back, turn.scale, x);
         rotate(back, turn.scale, x + 3);
+        chain_.eliminate(row, x);
+    }
+    // Eliminate a row whose right-hand side is zero.
+    TAUTWIRE_INLINE void pass(int row) {
+        Floats x[6];
+        for (Floats& value : x) value = broadcast<Floats>(0.0);
         chain_.eliminate(row, x);
     }
     void finish_elimination() { chain_.finish_elimination(); }
@@ -82,6 +89,7 @@ public:
     }
 
     void begin_substitution() { chain_.begin_substitution(); }
+    void cross_back() { chain_.cross_back(); }
     // Solve for a row, from the last to the first; `size` is the largest |x| of translations lane by
     // lane, and `total` collects them to find values that are not finite.
     TAUTWIRE_INLINE void substitute(int row, Row& out, Floats& size, Floats& total) {

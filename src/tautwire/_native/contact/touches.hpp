@@ -29,6 +29,8 @@ public:
     void add(const Touch& touch) { touches_.push(touch); }
     Touch& operator[](int n) { return touches_[n]; }
     const Touch& operator[](int n) const { return touches_[n]; }
+    const Touch* begin() const { return touches_.begin(); }
+    const Touch* end() const { return touches_.end(); }
 
     // Set the forces of the pairs of a pantograph, which are those from `first` up to `last`.
     void press(int first, int last, double head_free, double compliance);

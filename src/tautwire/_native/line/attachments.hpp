@@ -34,10 +34,10 @@ public:
     // Entries of a register that are not repeated.
     int filled(int k) const { return count_ - k * kLanes < kLanes ? count_ - k * kLanes : kLanes; }
     const int* at(int k) const { return &at_[k * kLanes]; }
-    bool meets(RowRange range, int k) const {
+    bool meets(const RowSet& set, int k) const {
+        if (set.whole) return true;
         bool any = false;
-        for (int lane = 0; lane < kLanes; ++lane)
-            any |= range.contains(at(k)[lane] / (12 * kLanes));
+        for (int lane = 0; lane < kLanes; ++lane) any |= set.formed[at(k)[lane] / (12 * kLanes)];
         return any;
     }
 
@@ -118,9 +118,9 @@ class Attachments {
 public:
     Attachments(const LineData& data, const Line& line);
 
-    // Add the forces to those on the nodes, of everything that has an end in the range of rows;
-    // release takes them away again, exactly.
-    void push(const MotionView& view, Buffer<Row>& force, RowRange range);
+    // Add the forces to those on the nodes, of everything that has an end in the formed
+    // rows; release takes them away again, exactly.
+    void push(const MotionView& view, Buffer<Row>& force, const RowSet& set);
     void release(Buffer<Row>& force);
 
     // Axial forces of the ties.
@@ -164,10 +164,10 @@ private:
     void pack();
 
     TAUTWIRE_INLINE void add(const NodeList& nodes, int k, const Doubles (&f)[3], double sign);
-    void push_ties(const MotionView& view, RowRange range, bool whole);
-    void push_clamps(const MotionView& view, RowRange range, bool whole);
-    void push_stays(const MotionView& view, RowRange range, bool whole);
-    void push_grounds(const MotionView& view, RowRange range, bool whole);
+    void push_ties(const MotionView& view, const RowSet& set);
+    void push_clamps(const MotionView& view, const RowSet& set);
+    void push_stays(const MotionView& view, const RowSet& set);
+    void push_grounds(const MotionView& view, const RowSet& set);
 
     const Layout& layout_;
     double weight_;
@@ -306,9 +306,9 @@ TAUTWIRE_INLINE void Attachments::add(const NodeList& nodes, int k, const Double
         }
 }
 
-inline void Attachments::push_ties(const MotionView& view, RowRange range, bool whole) {
+inline void Attachments::push_ties(const MotionView& view, const RowSet& set) {
     for (int k = 0; k < upper_.registers(); ++k) {
-        if (!whole && !upper_.meets(range, k) && !lower_.meets(range, k)) continue;
+        if (!upper_.meets(set, k) && !lower_.meets(set, k)) continue;
         Doubles t[3], rate[3], q[3], v[3];
         upper_.move(view, k, t, rate);
         lower_.move(view, k, q, v);
@@ -324,9 +324,9 @@ inline void Attachments::push_ties(const MotionView& view, RowRange range, bool 
     }
 }
 
-inline void Attachments::push_clamps(const MotionView& view, RowRange range, bool whole) {
+inline void Attachments::push_clamps(const MotionView& view, const RowSet& set) {
     for (int k = 0; k < host_.registers(); ++k) {
-        if (!whole && !host_.meets(range, k) && !other_.meets(range, k)) continue;
+        if (!host_.meets(set, k) && !other_.meets(set, k)) continue;
         Doubles f[3], q[3], unused[3];
         other_.move(view, k, f, unused);
         host_.move(view, k, q, unused);
@@ -337,9 +337,9 @@ inline void Attachments::push_clamps(const MotionView& view, RowRange range, boo
     }
 }
 
-inline void Attachments::push_stays(const MotionView& view, RowRange range, bool whole) {
+inline void Attachments::push_stays(const MotionView& view, const RowSet& set) {
     for (int k = 0; k < stayed_.registers(); ++k) {
-        if (!whole && !stayed_.meets(range, k)) continue;
+        if (!stayed_.meets(set, k)) continue;
         Doubles t[3], rate[3];
         stayed_.move(view, k, t, rate);
         for (int i = 0; i < 3; ++i) t[i] -= stay_end_[3 * k + i];
@@ -350,9 +350,9 @@ inline void Attachments::push_stays(const MotionView& view, RowRange range, bool
     }
 }
 
-inline void Attachments::push_grounds(const MotionView& view, RowRange range, bool whole) {
+inline void Attachments::push_grounds(const MotionView& view, const RowSet& set) {
     for (int k = 0; k < grounded_.registers(); ++k) {
-        if (!whole && !grounded_.meets(range, k)) continue;
+        if (!grounded_.meets(set, k)) continue;
         Doubles q[3], v[3], f[3];
         grounded_.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) q[i] -= ground_free_[3 * k + i];
@@ -366,14 +366,13 @@ inline void Attachments::push_grounds(const MotionView& view, RowRange range, bo
     }
 }
 
-inline void Attachments::push(const MotionView& view, Buffer<Row>& force, RowRange range) {
-    const bool whole = layout_.is_whole(range);
+inline void Attachments::push(const MotionView& view, Buffer<Row>& force, const RowSet& set) {
     force_ = reinterpret_cast<double*>(force.data());
     kept_count_ = 0;
-    push_ties(view, range, whole);
-    push_clamps(view, range, whole);
-    push_stays(view, range, whole);
-    push_grounds(view, range, whole);
+    push_ties(view, set);
+    push_clamps(view, set);
+    push_stays(view, set);
+    push_grounds(view, set);
 }
 
 inline void Attachments::release(Buffer<Row>& force) {

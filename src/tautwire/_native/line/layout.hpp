@@ -12,12 +12,6 @@ namespace tautwire::TAUTWIRE_ISA {
 
 inline constexpr int kPieces = 2 * kLanes;
 
-struct RowRange {
-    int first, last;  // both included
-
-    bool contains(int row) const { return first <= row && row <= last; }
-};
-
 struct Slot {
     int row, half, lane;
 
@@ -39,8 +33,8 @@ struct Layout {
     // The node of a slot; behind the last node there is padding.
     int node(int row, int half, int lane) const { return (half * kLanes + lane) * rows + row; }
     int padded() const { return rows * kPieces; }
-    RowRange whole() const { return {0, rows - 1}; }
-    bool is_whole(RowRange range) const { return range.first == 0 && range.last == rows - 1; }
+    int after(int row) const { return row + 1 < rows ? row + 1 : 0; }
+    int before(int row) const { return row > 0 ? row - 1 : rows - 1; }
 
     // Where the first of a node's six values stands in an array of rows of doubles (floats), as
     // numbers; the next one is kLanes (kPieces) further.
@@ -52,6 +46,26 @@ struct Layout {
         const Slot s = slot(node);
         return s.row * 6 * kPieces + s.piece();
     }
+};
+
+// Rows from one on, round the ends of the pieces: behind the last row comes the first, in which every
+// piece goes on where the piece before it ends.
+struct Run {
+    int first, count;
+};
+
+// The rows that an iteration works on: where the residual is formed (elsewhere it is taken to be
+// zero), and where the correction is solved for, as flags and as runs.
+struct RowSet {
+    explicit RowSet(const Layout& layout) : formed(layout.rows), solved(layout.rows) {
+        std::memset(formed.data(), 1, formed.size());
+        std::memset(solved.data(), 1, solved.size());
+        runs.push({0, layout.rows});
+    }
+
+    bool whole = true;
+    Buffer<unsigned char> formed, solved;  // [row]
+    List<Run> runs;
 };
 
 // One value of a node in an array of rows.

@@ -7,6 +7,7 @@
 
 #include "contact/touches.hpp"
 #include "motion/factors.hpp"
+#include "motion/selection.hpp"
 #include "motion/sweeps.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
@@ -42,7 +43,8 @@ class LineEngine final : public Engine {
 public:
     LineEngine(const LineData& data, const Scheme& scheme)
         : scheme_(scheme), weight_(1.0 + scheme.alpha), sweeps_(data, weight_),
-          factors_(sweeps_.line, sweeps_.attached, data, scheme), paths_(data.paths) {
+          factors_(sweeps_.line, sweeps_.attached, data, scheme), whole_(sweeps_.line.layout),
+          selection_(sweeps_.line.layout), paths_(data.paths) {
         for (int i = 0; i < data.paths; ++i)
             paths_[i] = {static_cast<int>(data.path_nodes[2 * i]),
                          static_cast<int>(data.path_nodes[2 * i + 1]), data.path_stiffness[i]};
@@ -84,10 +86,12 @@ private:
     bool enter(const Chunk& chunk, int index);
     bool touch_all();
     Outcome finish(const Chunk& chunk);
-    void set_regions();
     template <class P>
-    Increment iterate(P& matrix, RowRange range, bool fresh);
-    bool settle_contacts();
+    double iterate(P& matrix, const RowSet& rows, bool fresh);
+    bool settle(int iteration);
+    void learn(bool everywhere);
+    // The tolerance as an acceleration.
+    float bound() { return static_cast<float>(scheme_.tolerance / sweeps_.end().to_position); }
     bool renew(bool full_newton);
     void carry_over();
     void record(const Chunk& chunk, int index);
@@ -107,12 +111,14 @@ private:
     double weight_;
     Sweeps sweeps_;
     StepFactors factors_;
+    RowSet whole_;
+    Selection selection_;
+    List<int> touched_;
     Buffer<Path> paths_;
     List<Pantograph*> pantographs_;
     List<Pair> pairs_;  // [pantograph][path]
     int stages_ = 0;
     TouchList touches_;
-    List<Region> regions_;  // around the touched points
     Buffer<double> gaps_;   // at the end of the step, of every pair
     bool first_ = false;    // the next sweeps are the first of their step
     Counters counters_ = {};
@@ -155,7 +161,7 @@ inline Outcome LineEngine::step(const Chunk& chunk, int index) {
 inline Outcome LineEngine::solve(Watchdog watch) {
     first_ = !watch.full_newton;
     if (first_ && !factors_.select(sweeps_.prediction.time_step)) return Outcome::singular;
-    const RowRange whole = sweeps_.line.layout.whole();
+    if (first_) selection_.begin(sweeps_.prediction.time_step);
     Buffer<Row> sound;  // the last accelerations at which the tangent was positive definite
     for (int n = 0; n < scheme_.iterations; ++n) {
         if (!touch_all()) return Outcome::off_the_line;
@@ -169,17 +175,17 @@ inline Outcome LineEngine::solve(Watchdog watch) {
             sound.grow(sweeps_.end().a.size());
             sound.copy_from(sweeps_.end().a);
         }
-        const Increment increment = watch.full_newton ? iterate(factors_.exact(), whole, fresh)
-                                                      : iterate(factors_.fast(), whole, fresh);
+        const double increment = watch.full_newton ? iterate(factors_.exact(), whole_, fresh)
+                                                   : iterate(factors_.fast(), whole_, fresh);
         ++counters_.iterations;
-        if (std::isnan(increment.all)) return Outcome::not_finite;
-        if (watch.count > 0 && (increment.all <= scheme_.tolerance ||
-                                (increment.outside <= scheme_.tolerance && !watch.full_newton &&
-                                 settle_contacts()))) {
+        if (std::isnan(increment)) return Outcome::not_finite;
+        if (n > 0 && !watch.full_newton) learn(true);
+        if (watch.count > 0 && increment <= scheme_.tolerance) {
             counters_.full_newton_steps += watch.full_newton;
             return Outcome::running;
         }
-        watch.observe(increment.all);
+        if (!watch.full_newton && settle(n)) return Outcome::running;
+        watch.observe(increment);
     }
     return Outcome::not_converged;
 }
@@ -246,65 +252,56 @@ inline bool LineEngine::touch_all() {
     return true;
 }
 
-// Enclose the touched points: there, where the wire bends most, the iteration converges slowest.
-inline void LineEngine::set_regions() {
-    // Rows to either side. Chosen: 6 and 24 change 2.13 iterations per step to 2.19 and 2.12, no time.
-    constexpr int kReach = 12;
-    const Layout& layout = sweeps_.line.layout;
-    regions_.shorten(0);
-    for (int n = 0; n < touches_.count(); ++n) {
-        const Slot slot = layout.slot(touches_[n].point.element);
-        const int last = slot.row + 1 + kReach;
-        regions_.push({{slot.row < kReach ? 0 : slot.row - kReach,
-                        last < layout.rows ? last : layout.rows - 1},
-                       slot.piece()});
-    }
-}
-
-// Iterate once in a range of rows; return the largest increments of a coordinate.
+// Iterate once in a set of rows; return the largest increment of a coordinate.
 template <class P>
-Increment LineEngine::iterate(P& matrix, RowRange range, bool fresh) {
+double LineEngine::iterate(P& matrix, const RowSet& rows, bool fresh) {
     const double begin = seconds(), scale = sweeps_.end().to_position;
     const Layout& layout = sweeps_.line.layout;
     const bool first = first_;
     first_ = false;
     touches_.push(layout, sweeps_.known, weight_);
     if (first) {
-        sweeps_.eliminate<true>(matrix, range);
+        sweeps_.eliminate<true>(matrix, rows);
     } else {
-        sweeps_.eliminate<false>(matrix, range);
+        sweeps_.eliminate<false>(matrix, rows);
     }
     touches_.release(layout, sweeps_.known);
     const double eliminated = seconds();
     if (fresh) touches_.set_columns(matrix, weight_ * scale, pantographs_.begin());
-    if (!touches_.correct(matrix, weight_ * scale, pantographs_.begin())) return {NAN, NAN};
-    set_regions();
+    if (!touches_.correct(matrix, weight_ * scale, pantographs_.begin())) return NAN;
     const double corrected = seconds();
-    const int apart = touches_.count();
-    const Increment increment = first
-                                    ? sweeps_.substitute<true>(matrix, range, regions_.begin(), apart)
-                                    : sweeps_.substitute<false>(matrix, range, regions_.begin(), apart);
+    const double increment = first ? sweeps_.substitute<true>(matrix, rows)
+                                   : sweeps_.substitute<false>(matrix, rows);
     timings_.elimination += eliminated - begin;
     timings_.contacts += corrected - eliminated;
     timings_.substitution += seconds() - corrected;
-    return {scale * increment.all, scale * increment.outside};
+    return scale * increment;
 }
 
-// Iterate around the contacts alone, when the rest has converged; true when they have, too.
-inline bool LineEngine::settle_contacts() {
-    // Chosen: with 1 a step takes 2.29 in place of 2.13 iterations in all; more than 3 change nothing.
+// After an iteration everywhere, the number of which is given, iterate on where that matters; true
+// when the step has converged.
+inline bool LineEngine::settle(int iteration) {
+    // Steps take one or two; after three the whole line is iterated again.
     constexpr int kMost = 3;
+    const Layout& layout = sweeps_.line.layout;
     for (int n = 0; n < kMost; ++n) {
-        double largest = 0.0;
-        for (int k = 0; k < touches_.count(); ++k) {
-            ++counters_.local_iterations;
-            if (!touch_all()) return false;
-            const Increment increment = iterate(factors_.fast(), regions_[k].rows, false);
-            if (!(increment.all <= largest)) largest = increment.all;
-        }
-        if (largest <= scheme_.tolerance) return true;
+        touched_.shorten(0);
+        for (const Touch& touch : touches_) touched_.push(layout.slot(touch.point.element).row);
+        const bool first = iteration == 0 && n == 0;
+        if (!selection_.choose(sweeps_.sizes, bound(), touched_, first)) return true;
+        if (first && (selection_.is_large() || selection_.verifies())) return false;
+        if (!touch_all() || std::isnan(iterate(factors_.fast(), selection_.rows, false))) return false;
+        ++counters_.local_iterations;
+        counters_.local_rows += selection_.formed();
+        learn(false);
     }
-    return false;
+    return !selection_.choose(sweeps_.sizes, bound(), touched_, false);
+}
+
+// Let the selection learn from an iteration; what it had overlooked is counted.
+inline void LineEngine::learn(bool everywhere) {
+    const double overlooked = sweeps_.end().to_position * selection_.learn(sweeps_.sizes, bound(), everywhere);
+    if (overlooked > counters_.overlooked) counters_.overlooked = overlooked;
 }
 
 // Factor the matrix at the present iterate.
@@ -379,7 +376,6 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     // The mass matrix is factored exactly but for HHT's share of the forces. Six passes change no digit of the forces.
     constexpr int kRefinements = 3;
     WireState &now = sweeps_.start(), &end = sweeps_.end();
-    const RowRange whole = sweeps_.line.layout.whole();
     scatter(q, end.q_p);
     scatter(v, end.v_p);
     end.a = Buffer<Row>(sweeps_.line.layout.rows);
@@ -389,9 +385,9 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     ExactSolver& matrix = factors_.exact();
     matrix.clear_contacts();
     for (int n = 0; n < kRefinements; ++n) {  // find (1 + alpha) a from M a = -g
-        sweeps_.eliminate<false>(matrix, whole);
+        sweeps_.eliminate<false>(matrix, whole_);
         matrix.correct(nullptr, nullptr);
-        sweeps_.substitute<false>(matrix, whole, nullptr, 0);
+        sweeps_.substitute<false>(matrix, whole_);
     }
     if (scheme_.alpha != 0.0) carry_over();
     for (Row& a : end.a)
@@ -425,7 +421,7 @@ inline void LineEngine::record(const Chunk& chunk, int index) {
 inline std::size_t LineEngine::state_size() const {
     std::size_t size = 3 + 4 * sizeof(Row) / sizeof(double) * sweeps_.line.layout.rows + 4 * pairs_.size();
     for (const Pantograph* pantograph : pantographs_) size += pantograph->state_size();
-    return size;
+    return size + selection_.state_size();
 }
 
 inline void LineEngine::save(double* out) const {
@@ -437,6 +433,7 @@ inline void LineEngine::save(double* out) const {
     *out++ = s.to_velocity;
     *out++ = s.to_position;
     *out++ = sweeps_.line.time_step();
+    out = selection_.save(out);
     for (const Pantograph* pantograph : pantographs_) out = pantograph->save(out);
     for (const Pair& pair : pairs_)
         for (const double value : {pair.force, pair.gap, pair.height, double(pair.element)}) *out++ = value;
@@ -451,6 +448,7 @@ inline void LineEngine::restore(const double* in) {
     s.to_velocity = *in++;
     s.to_position = *in++;
     sweeps_.line.set_time_step(*in++);  // the loads that the known forces contain
+    in = selection_.restore(in);
     for (Pantograph* pantograph : pantographs_) in = pantograph->restore(in);
     for (Pair& pair : pairs_) {
         pair = {in[0], in[1], in[2], static_cast<int>(in[3])};

@@ -25,23 +25,11 @@ struct Prediction {
     double time_step = 0.0, a_to_q = 0.0, a_to_v = 0.0;
 };
 
-// A stretch of a wire within one piece.
-struct Region {
-    RowRange rows;
-    int piece;
-};
-
-// Largest increments of the acceleration of a coordinate: anywhere, and outside some regions; NaN
-// when the state is not finite.
-struct Increment {
-    double all, outside;
-};
-
 class Sweeps {
 public:
     Sweeps(const LineData& data, double weight)
         : line(data, weight), attached(data, line), known(line.layout.rows),
-          states_{WireState(line.layout.rows), WireState(line.layout.rows)},
+          sizes(line.layout.rows), states_{WireState(line.layout.rows), WireState(line.layout.rows)},
           damping_(line.layout.rows) {
         start().q_p.copy_from(line.position);
         known.copy_from(line.load);
@@ -52,6 +40,7 @@ public:
     Attachments attached;
     Buffer<Row> known;      // forces known at the start of a step
     Prediction prediction;  // of the step in progress
+    Buffer<Floats> sizes;   // per row: largest |increment| of each node, as substitute left them
 
     WireState& start() { return states_[now_]; }
     const WireState& start() const { return states_[now_]; }
@@ -90,15 +79,15 @@ public:
         end().a.copy_from(start().a);
     }
 
-    // Eliminate the residual of the present iterate in a range of rows. With kFirst, in all rows,
-    // that iterate is the prediction, which is made on the way, and the preconditioner is turned
-    // to it.
+    // Eliminate the residual of the present iterate in a set of rows. With kFirst, in all rows, that
+    // iterate is the prediction, which is made on the way, and the preconditioner is turned to it.
     template <bool kFirst, class P>
-    void eliminate(P& preconditioner, RowRange range);
+    void eliminate(P& preconditioner, const RowSet& set);
 
-    // Substitute back and update the accelerations.
+    // Substitute back and update the accelerations; return the largest change of one, or NaN when
+    // the state is not finite.
     template <bool kFirst, class P>
-    Increment substitute(P& preconditioner, RowRange range, const Region* apart, int count);
+    double substitute(P& preconditioner, const RowSet& set);
 
     // The nodes at the start of the step, and at its end: predicted, or of the present iterate.
     MotionView at_start() const {
@@ -126,7 +115,16 @@ private:
     }
     TAUTWIRE_INLINE void wires(int row, const Motion& left, const Motion& right, Ends (&out)[2]) const;
     static void wrap(const Motion& first, const Motion& last, Motion& out);
-
+    static void shift(Row& carry) {
+        for (int i = 0; i < 6; ++i) {
+            Doubles x[2] = {carry[0][i], carry[1][i]};
+            to_next_piece(x);
+            carry[0][i] = x[0];
+            carry[1][i] = x[1];
+        }
+    }
+    template <bool kFirst>
+    void enter(int row, Motion& here, Row& carry);
 
     WireState states_[2];
     int now_ = 0;
@@ -229,52 +227,63 @@ inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
     }
 }
 
+// Begin to form residuals at a row: its motion, and what the elements before it do to it. Those of
+// the last row act on the next piece.
+template <bool kFirst>
+void Sweeps::enter(int row, Motion& here, Row& carry) {
+    Motion before, behind;
+    Ends ends[2];
+    move<kFirst, false>(line.layout.before(row), before);
+    move<kFirst, true>(row, here);
+    if (row == 0) wrap(here, before, behind);
+    wires(line.layout.before(row), before, row == 0 ? behind : here, ends);
+    for (int k = 0; k < 12; ++k) carry[k / 6][k % 6] = ends[k / 6].right[k % 6];
+    if (row == 0) shift(carry);
+}
+
 template <bool kFirst, class P>
-void Sweeps::eliminate(P& preconditioner, RowRange range) {
-    const int rows = line.layout.rows, first = range.first;
-    attached.push(kFirst ? predicted() : at_end(), known, range);
+void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
+    const int rows = line.layout.rows;
+    attached.push(kFirst ? predicted() : at_end(), known, set);
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
-    if (first == 0 || range.last == rows - 1) {
-        move<kFirst, false>(0, nodes[0]);
-        move<kFirst, false>(rows - 1, nodes[1]);
-        wrap(nodes[0], nodes[1], behind);
-    }
-    // What the elements before the first row do to it; those of the last row act on the next piece.
-    if (first == 0) {
-        wires(rows - 1, nodes[1], behind, ends);
-    } else {
-        move<kFirst, false>(first - 1, nodes[~first & 1]);
-        move<kFirst, false>(first, nodes[first & 1]);
-        wires(first - 1, nodes[~first & 1], nodes[first & 1], ends);
-    }
-    for (int i = 0; i < 6; ++i) {
-        Doubles right[2] = {ends[0].right[i], ends[1].right[i]};
-        if (first == 0) to_next_piece(right);
-        carry[0][i] = right[0];
-        carry[1][i] = right[1];
-    }
-
-    preconditioner.begin_elimination(range);
-    if constexpr (kFirst) move<kFirst, true>(first, nodes[first & 1]);
-    for (int row = first; row <= range.last; ++row) {
-        const Motion& here = nodes[row & 1];
-        Motion& next = nodes[~row & 1];
-        if (row + 1 < rows) move<kFirst, true>(row + 1, next);
-        wires(row, here, row + 1 < rows ? next : behind, ends);
-        Row r;
-        TAUTWIRE_UNROLL
-        for (int half = 0; half < 2; ++half)
-            TAUTWIRE_UNROLL
-            for (int i = 0; i < 6; ++i) {
-                r[half][i] = known[row][half][i] + (carry[half][i] + ends[half].left[i]);
-                if (i < 3) r[half][i] -= line.node_mass[2 * row + half] * here.s[half][i];
-                carry[half][i] = ends[half].right[i];
+    preconditioner.begin_elimination(set);
+    for (const Run& run : set.runs) {
+        preconditioner.begin_run(run);
+        bool entered = false;
+        for (int n = 0, row = run.first, side = 0; n < run.count; ++n, row = line.layout.after(row)) {
+            if (!set.formed[row]) {
+                preconditioner.pass(row);
+                entered = false;
+                continue;
             }
-        if (line.hold_of[row] >= 0) clear_held(row, r);
-        if constexpr (kFirst) preconditioner.set_rotation(row, here.q);
-        preconditioner.eliminate(row, r);
+            if (!entered) enter<kFirst>(row, nodes[side], carry);
+            entered = true;
+            const Motion& here = nodes[side];
+            Motion& next = nodes[1 - side];
+            if (row + 1 < rows) {
+                move<kFirst, true>(row + 1, next);
+            } else {
+                move<kFirst, false>(0, next);
+                wrap(next, here, behind);
+            }
+            wires(row, here, row + 1 < rows ? next : behind, ends);
+            Row r;
+            TAUTWIRE_UNROLL
+            for (int half = 0; half < 2; ++half)
+                TAUTWIRE_UNROLL
+                for (int i = 0; i < 6; ++i) {
+                    r[half][i] = known[row][half][i] + (carry[half][i] + ends[half].left[i]);
+                    if (i < 3) r[half][i] -= line.node_mass[2 * row + half] * here.s[half][i];
+                    carry[half][i] = ends[half].right[i];
+                }
+            if (row + 1 == rows) shift(carry);
+            if (line.hold_of[row] >= 0) clear_held(row, r);
+            if constexpr (kFirst) preconditioner.set_rotation(row, here.q);
+            preconditioner.eliminate(row, r);
+            side = 1 - side;
+        }
     }
     preconditioner.finish_elimination();
     attached.release(known);
@@ -306,34 +315,30 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
 }
 
 template <bool kFirst, class P>
-Increment Sweeps::substitute(P& preconditioner, RowRange range, const Region* apart, int count) {
-    Floats outside = broadcast<Floats>(0.0), total = outside;
-    double inside = 0.0;
-    preconditioner.begin_substitution();
-    for (int row = range.last; row >= range.first; --row) {
-        Row x;
-        Floats size;
-        preconditioner.substitute(row, x, size, total);
-        if (line.hold_of[row] >= 0) clear_held(row, x);
-        TAUTWIRE_UNROLL
-        for (int half = 0; half < 2; ++half)
+double Sweeps::substitute(P& preconditioner, const RowSet& set) {
+    Floats largest = broadcast<Floats>(0.0), total = largest;
+    for (const Run& run : set.runs) {
+        preconditioner.begin_substitution();
+        int row = (run.first + run.count - 1) % line.layout.rows;
+        for (int n = 0; n < run.count; ++n, row = line.layout.before(row)) {
+            if (n > 0 && row + 1 == line.layout.rows) preconditioner.cross_back();
+            Row x;
+            Floats& size = sizes[row];
+            preconditioner.substitute(row, x, size, total);
+            if (line.hold_of[row] >= 0) clear_held(row, x);
             TAUTWIRE_UNROLL
-            for (int i = 0; i < 6; ++i) {
-                const Doubles before = (kFirst ? start() : end()).a[row][half][i];
-                end().a[row][half][i] = before + x[half][i];
-            }
-        for (int n = 0; n < count; ++n) {
-            if (!apart[n].rows.contains(row)) continue;
-            const double here = size[apart[n].piece];
-            inside = inside > here ? inside : here;
-            size[apart[n].piece] = 0;
+            for (int half = 0; half < 2; ++half)
+                TAUTWIRE_UNROLL
+                for (int i = 0; i < 6; ++i) {
+                    const Doubles before = (kFirst ? start() : end()).a[row][half][i];
+                    end().a[row][half][i] = before + x[half][i];
+                }
+            largest = maximum(largest, size);
         }
-        outside = maximum(outside, size);
     }
     double sum = 0.0;
     for (int piece = 0; piece < kPieces; ++piece) sum += total[piece];
-    const double largest = largest_lane(outside);
-    return {std::isfinite(sum) ? (inside > largest ? inside : largest) : sum - sum, largest};
+    return std::isfinite(sum) ? largest_lane(largest) : sum - sum;
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
@@ -127,25 +128,25 @@ TAUTWIRE_INLINE V absolute(V x) {
     return x;
 }
 
-// Lane-wise maximum; of a pair with a NaN, b.
+// Lane by lane: x where a > b, else y.
+template <class V>
+TAUTWIRE_INLINE V where_greater(V a, V b, V x, V y) {
+#if TAUTWIRE_VECTORS
+    return a > b ? x : y;
+#else
+    for (int i = 0; i < kLanesOf<V>; ++i) y[i] = a[i] > b[i] ? x[i] : y[i];
+    return y;
+#endif
+}
+
+// Lane-wise maximum and minimum; of a pair with a NaN, b.
 template <class V>
 TAUTWIRE_INLINE V maximum(V a, V b) {
-    for (int i = 0; i < kLanesOf<V>; ++i) a[i] = a[i] > b[i] ? a[i] : b[i];
-    return a;
+    return where_greater(a, b, a, b);
 }
-
-template <class V>
-TAUTWIRE_INLINE double largest_lane(V x) {
-    double out = x[0];
-    for (int i = 1; i < kLanesOf<V>; ++i) out = out > x[i] ? out : static_cast<double>(x[i]);
-    return out;
-}
-
-// Lane-wise minimum; of a pair with a NaN, b.
 template <class V>
 TAUTWIRE_INLINE V minimum(V a, V b) {
-    for (int i = 0; i < kLanesOf<V>; ++i) a[i] = a[i] < b[i] ? a[i] : b[i];
-    return a;
+    return where_greater(b, a, a, b);
 }
 
 // Lane i of the result is lane index(i) of a and b, which follow each other.
@@ -174,6 +175,18 @@ TAUTWIRE_INLINE auto shuffle(V a, V b, Index index) {
 }
 #endif
 
+// The largest lane; halves are compared, so that few comparisons wait for each other.
+template <class V>
+TAUTWIRE_INLINE double largest_lane(V x) {
+    constexpr int half = kLanesOf<V> / 2;
+    if constexpr (half == 1) {
+        return x[0] > x[1] ? x[0] : x[1];
+    } else {
+        return largest_lane(maximum(shuffle<half>(x, x, [](int i) constexpr { return i; }),
+                                    shuffle<half>(x, x, [](int i) constexpr { return half + i; })));
+    }
+}
+
 #if TAUTWIRE_VECTORS
 template <class To, class V>
 TAUTWIRE_INLINE To convert(V x) {
@@ -187,6 +200,20 @@ TAUTWIRE_INLINE To convert(V x) {
     return out;
 }
 #endif
+
+// Whether a > b in any lane.
+template <class V>
+TAUTWIRE_INLINE bool any_greater(V a, V b) {
+#if TAUTWIRE_VECTORS
+    const auto narrow = convert<Pack<signed char, kLanesOf<V>>>(a > b);
+    std::uint64_t words[(sizeof(narrow) + 7) / 8] = {}, any = 0;
+    std::memcpy(words, &narrow, sizeof(narrow));
+    for (const std::uint64_t word : words) any |= word;
+    return any != 0;
+#else
+    return largest_lane(a - b) > 0;
+#endif
+}
 
 // The lanes of the first half, then those of the second, rounded to single precision.
 TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {

@@ -184,7 +184,7 @@ class _Droppers:
         kept = min(sampling.count, int(np.ceil(way / sampling.step)) + 2)
         # sample k is that of the time (k + 1) step
         self._first = np.clip(np.floor(begin) - 1, 0, sampling.count - kept).astype(np.int64)
-        count = len(self._first)
+        count, self._is_whole = len(self._first), not self._first.any()
         self._force = np.full((kept, count), np.nan, dtype=np.float32)
         self._least, self._largest = np.full(count, np.inf), np.full(count, -np.inf)
         self._slack = np.zeros(count)
@@ -197,10 +197,13 @@ class _Droppers:
 
     def add(self, sample: int, time: Array, force: Array) -> None:
         """Take the forces ``(n, n_dropper)`` of some samples, the first of which is given."""
+        force = force.astype(np.float32)
+        if self._is_whole and sample + len(time) <= len(self._force):
+            self._force[sample : sample + len(time)] = force
+            return
         row = sample + np.arange(len(time))[:, None] - self._first
         is_kept = (row >= 0) & (row < len(self._force))
         at, dropper = np.nonzero(is_kept)
-        force = force.astype(np.float32)
         self._force[row[at, dropper], dropper] = force[at, dropper]
         counts = ~is_kept & self._passes(time)[:, None]
         if counts.any():

@@ -431,4 +431,9 @@ def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     frames = mesh.frames[mesh.nodes(piece.at for piece in line.registrations)]
     total += float(np.nansum(frames.turned(_pulls(model, form, held))[:, 2]))
     weights = np.array([piece.kind.carried_weight(gravity) for piece in line.registrations])
+    stays = form.system.stays.chosen(
+        np.arange(len(form.system.stays)) >= len(form.system.stays) - len(line.stays)
+    )
+    bars = stays.state(form.system.position)
+    total -= float(stays.axial_force(bars.length) @ bars.direction[2])
     return total + 0.5 * float(weights.sum())

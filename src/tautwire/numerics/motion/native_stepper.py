@@ -196,12 +196,13 @@ class NativeStepper:
         }
 
     def _count(self) -> None:
-        steps, iterations, refactorisations, full, local = self._core.counters()
+        steps, iterations, refactorisations, full, *local = self._core.counters()
         self.counters.steps = steps
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
         self.counters.full_newton_steps = full
-        self.counters.notes["local_iterations"] = local
+        names = ("local_iterations", "local_rows", "overlooked")
+        self.counters.notes.update(zip(names, local, strict=True))
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
         pairs = len(self._inputs) * self._paths

@@ -70,7 +70,7 @@ def stay_state(shape: Equilibrium, stay: WireStay) -> tuple[float, float]:
     """Return the distance of a stay's ends [m] and its axial force, tension positive [N]."""
     design = shape if shape.operated is None else shape.operated.design
     distance = _apart(shape, stay)
-    force = stay.stiffness * (distance - stay.length(_apart(design, stay)))
+    force = stay.stiffness * (distance - stay.length(_apart(design, stay), stay.pull))
     allowed = law_allows(np.array([stay.law]), np.array([force]))
     return distance, float(np.where(allowed, force, 0.0)[0])
 

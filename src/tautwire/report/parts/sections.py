@@ -190,7 +190,7 @@ def _body_table(rows: list[tuple[str, ...]]) -> Table:
 
 def _stay_table(rows: list[tuple[str, ...]]) -> Table:
     return Table(
-        "Stays of wires at rest; they carry nothing in the design, a pull is positive.",
+        "Stays of wires at rest; a pull is positive.",
         tuple(head.replace("\n", " ") for head in STAY_HEAD),
         "llrrr",
         tuple(rows[:MOST_ROWS]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -144,4 +145,4 @@ def write_force_history(
 
 def _texts(values: np.ndarray, digits: int) -> list[str]:
     """Return numbers with a fixed count of decimals; not-a-number becomes an empty cell."""
-    return [f"{value:.{digits}f}" if np.isfinite(value) else "" for value in values.tolist()]
+    return [f"{value:.{digits}f}" if math.isfinite(value) else "" for value in values.tolist()]

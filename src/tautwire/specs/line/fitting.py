@@ -80,7 +80,7 @@ class Body(Fitting):
 class Stay(Fitting):
     """A stay from a wire to a fixed point: a wind stay, a tie, a rope along the track.
 
-    It carries nothing in the design, where it is as long as it has to be; from there it pulls,
+    In the design it carries the force that is told, nothing if none is; from there it pulls,
     pushes, or both. It has no weight.
     """
 
@@ -94,6 +94,9 @@ class Stay(Fitting):
         default=0.0,
         description="Change of the distance from the design, until a rope or strut acts.",
     )
+    force: Annotated[float, Quantity("N", ge=0.0, le=1e5, typical="0 to 2 kN")] = Field(
+        default=0.0, description="Pull of a rope or bar, push of a strut, in the design."
+    )
     end_along: Annotated[float, Quantity("m", ge=-500.0, le=500.0, typical="0 m")] = Field(
         default=0.0, description="Place of the far end ahead of 'at' along the track's tangent."
     )
@@ -106,9 +109,10 @@ class Stay(Fitting):
 
     @model_validator(mode="after")
     def _check_slack(self) -> Stay:
-        if self.law == "bar" and self.slack:
-            text = "belongs to a rope or a strut; a bar acts both ways at once"
-            refuse([Problem(("slack",), text)])
+        if self.slack and (self.law == "bar" or self.force):
+            is_bar = self.law == "bar"
+            text = "a bar acts both ways at once" if is_bar else "one that is slack has no force"
+            refuse([Problem(("slack",), f"belongs to a rope or a strut without force; {text}")])
         return self
 
 

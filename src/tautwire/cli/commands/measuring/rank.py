@@ -12,7 +12,7 @@ from tautwire.cli.commands.measuring.measured import quantity
 from tautwire.cli.commands.study import MOST_WORKERS
 from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.json_text import to_json
-from tautwire.cli.session import Answer
+from tautwire.cli.session import Answer, Interrupted
 from tautwire.cli.views.tables import heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
@@ -69,14 +69,19 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
     if out is not None:
         with prepared_folder(out):
             keep = out / PASSAGES
-    ranking = rank(
-        design,
-        built,
-        least=LEAST if least is None else least,
-        workers=_workers(request.workers),
-        keep=keep,
-        watch=watch,
-    )
+    try:
+        ranking = rank(
+            design,
+            built,
+            least=LEAST if least is None else least,
+            workers=_workers(request.workers),
+            keep=keep,
+            watch=watch,
+        )
+    except Interrupted as stop:
+        if keep is not None:
+            stop.kept = f"what is finished is kept in {keep}; the same command goes on from there"
+        raise
     answer.document.update({"version": __version__, **_document(ranking)})
     rate = (
         f"{ranking.passages} passages over some spans each, on {ranking.length:.0f} m; "
