@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -38,10 +43,51 @@ def test_refuses_a_line_that_is_as_designed(invoke: Invoke, tmp_path: Path) -> N
     assert "--least" in refused.err
 
 
-def test_a_stop_says_what_is_kept(
+def _is_gone(group: int) -> bool:
+    """Return whether a group of processes has ended within ten seconds."""
+    for _ in range(100):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_stop_says_what_is_kept_and_ends(workers: int, tmp_path: Path) -> None:
+    """Two signals at once, as a terminal and a supervisor send them, end the command and its
+    processes; what is finished is kept and the message says where."""
+    case = design(12)
+    wrongs = dict.fromkeys(range(0, len(case.line.span_lengths()) * 9, 9), 0.02)
+    for name, one in (("line", case), ("built", wrong(case, wrongs))):
+        (tmp_path / f"{name}.json").write_text(json.dumps(one.to_dict()), encoding="utf-8")
+    program = [sys.executable, "-m", "tautwire", "rank", "line.json", "built.json"]
+    with subprocess.Popen(
+        [*program, "--out", "out", "--workers", str(workers)],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        end = time.monotonic() + 120.0
+        while not list(tmp_path.glob("out/passages/*.npz")) and time.monotonic() < end:
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 130, told
+    assert "what is finished is kept in" in told
+    assert list(tmp_path.glob("out/passages/*.npz"))
+    assert _is_gone(process.pid)
+
+
+def test_a_stop_without_a_folder_keeps_nothing(
     invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With a folder, a signal keeps what is finished, and the message says where."""
+    """Without a folder nothing can be kept, and the message says so."""
     path = tmp_path / "line.json"
     path.write_text(json.dumps(design(3).to_dict()), encoding="utf-8")
 
@@ -49,7 +95,6 @@ def test_a_stop_says_what_is_kept(
         raise Interrupted(2)
 
     monkeypatch.setattr("tautwire.cli.commands.measuring.rank.rank", stopped)
-    told = invoke("rank", path, path, "--out", "out")
+    told = invoke("rank", path, path)
     assert told.code == 130
-    assert "what is finished is kept in" in told.err
-    assert "nothing was kept" in invoke("rank", path, path).err
+    assert "nothing was kept" in told.err

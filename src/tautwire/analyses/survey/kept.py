@@ -5,10 +5,11 @@ from __future__ import annotations
 import io
 import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -27,7 +28,8 @@ _PASSAGE = ("position", "raw", "filtered", "uplift", "cpu")
 def processes(count: int) -> Iterator[Executor | None]:
     """Provide processes that compute places; None for one, which is this process itself.
 
-    On leaving, places that were begun end and the others are left.
+    When the computation is left by an exception, a signal for instance, the processes end at once;
+    only the places that they had begun are lost.
 
     Parameters
     ----------
@@ -36,11 +38,25 @@ def processes(count: int) -> Iterator[Executor | None]:
     if count == 1:
         yield None
         return
+    others = set(active_children())
     pool = ProcessPoolExecutor(count, get_context("spawn"), _begin)
     try:
         yield pool
+    except BaseException:
+        try:
+            _terminate(others)
+        except BaseException:
+            _terminate(others)  # a second signal must not leave the processes at work
+            raise
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _terminate(others: Set[BaseProcess]) -> None:
+    """End all processes of this one except those that were there before."""
+    for process in set(active_children()) - others:
+        process.terminate()
 
 
 def computed(
@@ -82,7 +98,7 @@ def computed(
 
 
 def _begin() -> None:
-    """Leave Ctrl-C to the parent, which lets begun places end, and end when it is gone."""
+    """Leave Ctrl-C to the parent, which ends its processes, and end when it is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, daemon=True).start()
 

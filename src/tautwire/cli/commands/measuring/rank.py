@@ -11,6 +11,7 @@ from tautwire.analyses.survey.rank import Ranking, rank
 from tautwire.cli.commands.measuring.measured import quantity
 from tautwire.cli.commands.study import MOST_WORKERS
 from tautwire.cli.folders import Files, prepared_folder, tell_files
+from tautwire.cli.interrupts import Interrupts
 from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer, Interrupted
 from tautwire.cli.views.tables import heading, table
@@ -70,14 +71,15 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
         with prepared_folder(out):
             keep = out / PASSAGES
     try:
-        ranking = rank(
-            design,
-            built,
-            least=LEAST if least is None else least,
-            workers=_workers(request.workers),
-            keep=keep,
-            watch=watch,
-        )
+        with Interrupts().handled():
+            ranking = rank(
+                design,
+                built,
+                least=LEAST if least is None else least,
+                workers=_workers(request.workers),
+                keep=keep,
+                watch=watch,
+            )
     except Interrupted as stop:
         if keep is not None:
             stop.kept = f"what is finished is kept in {keep}; the same command goes on from there"
