@@ -281,8 +281,11 @@ def test_full_disk(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
         "design.csv",
         "droppers.csv",
         "elasticity.csv",
+        "line.xlsx",
+        "static.html",
         "static.json",
         "supports.csv",
+        "workshop.xlsx",
     ]
 
 

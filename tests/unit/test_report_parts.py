@@ -121,7 +121,7 @@ def test_every_input_is_listed_with_its_unit() -> None:
 
     parts = case.to_dict()
     assert values.pop("track") == "straight and level"
-    told = [name for name in GROUPS if name != "track"]
+    told = [name for name in GROUPS if name != "track" and parts[name] != []]
     assert len(values) == sum(leaves(parts[name]) for name in told)
 
 

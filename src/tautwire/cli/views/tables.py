@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 
 from rich import box
 from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -61,8 +63,20 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
             header_style="dim",
         )
     for row in cells:
-        result.add_row(*(Text(cell, style=STYLES.get(cell, "")) for cell in row))
+        kinds = (_Folded if letter == "L" else Text for letter in align)
+        result.add_row(
+            *(kind(cell, style=STYLES.get(cell, "")) for kind, cell in zip(kinds, row, strict=True))
+        )
     return result
+
+
+class _Folded(Text):
+    """A text whose words may be broken, so that the longest of them does not ask for its width."""
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        """Return the width of a few letters and that of the longest line."""
+        words = super().__rich_measure__(console, options)
+        return Measurement(min(words.minimum, NARROWEST), words.maximum)
 
 
 def batched(items: Iterable[T], size: int) -> Iterator[tuple[T, ...]]:
