@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from tautwire.errors import InputError
+from tautwire.inputs.attached import load_project, with_project
 from tautwire.inputs.load import load_case
-from tautwire.inputs.project import load_project, with_project
 from tautwire.report.writers.html import render
 from tautwire.report.writers.project import common_project, project_block
 from tautwire.specs.project import MOST_LOGO_BYTES, Project, image_of

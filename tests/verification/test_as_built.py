@@ -157,7 +157,9 @@ TABLES = [
 @pytest.mark.parametrize("seeds", TABLES)
 def test_whole_tables_in_the_wrong_place_are_found(kind: str, seeds: tuple[int, ...]) -> None:
     """A span numbered from the wrong end, or with the droppers of another one, is named from
-    heights alone, and nothing else is; also where plain scatter leads to no equilibrium."""
+    heights alone, as the first or as one that is hardly told from it, and nothing else is; also
+    where plain scatter leads to no equilibrium."""
+    firsts: list[bool] = []
     for seed in seeds:
         random = np.random.default_rng([77, seed])
         case = random_line(random, 3)
@@ -183,9 +185,10 @@ def test_whole_tables_in_the_wrong_place_are_found(kind: str, seeds: tuple[int, 
             for one in (told.hypothesis, *told.alternatives)
             if one.span == span
         ]
-        # Another span's table may be so like the reversed one that both are told (seed 7: 17 mm).
         assert min(misses) < 0.010
-        assert misses[0] < 0.020
+        firsts.append(misses[0] < 0.010)
+    # Another span's table may be so like the right one that it comes first (seed 7: 17 mm away).
+    assert sum(firsts) >= 0.75 * len(seeds)
 
 
 @pytest.mark.slow

@@ -11,13 +11,13 @@ from pydantic import ValidationError
 
 from tautwire.catalogue.entries import list_entries
 from tautwire.errors import InputError
+from tautwire.inputs.attached import with_image, with_limits
 from tautwire.inputs.book.workbook import case_of, is_workbook, open_workbook
 from tautwire.inputs.composition import Composition, compose, compose_data
 from tautwire.inputs.messages import describe
 from tautwire.inputs.overrides import Overrides, apply_overrides
 from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import PathError, find_target, format_path, parse_path, value_at
-from tautwire.inputs.project import with_image, with_limits
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.inputs.reading.reach import Reach
 from tautwire.inputs.reading.tables import cells_by_list

@@ -27,8 +27,8 @@ from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.attached import with_project
 from tautwire.inputs.load import load_case
-from tautwire.inputs.project import with_project
 from tautwire.model.build import build
 from tautwire.report.pages.mode_page import write_modes_report
 from tautwire.results.equilibrium import Equilibrium

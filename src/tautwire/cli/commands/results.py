@@ -8,7 +8,7 @@ from pathlib import Path
 from tautwire.assessment.checks import Criteria
 from tautwire.cli.session import Answer
 from tautwire.errors import InputError
-from tautwire.inputs.project import load_project
+from tautwire.inputs.attached import load_project
 from tautwire.results.run import Run
 from tautwire.results.storage import load_elasticity, load_run
 from tautwire.version import __version__

@@ -24,8 +24,8 @@ from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.run_view import run_view
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
+from tautwire.inputs.attached import with_project
 from tautwire.inputs.load import load_case
-from tautwire.inputs.project import with_project
 from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs
 from tautwire.model.preflight import Advice, preflight

@@ -30,9 +30,9 @@ from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import heading
 from tautwire.errors import ConvergenceError
 from tautwire.files import write_bytes, write_text
+from tautwire.inputs.attached import with_project
 from tautwire.inputs.book.case_book import write_workbook
 from tautwire.inputs.load import load_case
-from tautwire.inputs.project import with_project
 from tautwire.model.build import Model, build
 from tautwire.model.plausibility import implausible_inputs, implausible_shape
 from tautwire.report.pages.conditions_page import ConditionsPage, write_conditions_page

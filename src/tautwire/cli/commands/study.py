@@ -22,7 +22,7 @@ from tautwire.cli.session import DONE, FAILED, Answer
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.project import load_project
+from tautwire.inputs.attached import load_project
 from tautwire.model.preflight import Advice, preflight
 from tautwire.report.figures.study_figures import readable_axis
 from tautwire.report.pages.study_page import write_study_report

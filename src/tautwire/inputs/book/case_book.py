@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.files import write_bytes
-from tautwire.inputs.book.said import rows_of
+from tautwire.inputs.book.values import rows_of
 from tautwire.specs.case import Case
 from tautwire.specs.line.dropper import Droppers
 from tautwire.tables.sheets import Cell

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.errors import InputError
-from tautwire.inputs.book.said import said_values
+from tautwire.inputs.book.values import said_values
 from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.own_line import Choice, Wish, as_data, presag_of, template
 from tautwire.inputs.own_line import dropper_positions as usual_positions

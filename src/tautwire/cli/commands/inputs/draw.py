@@ -13,8 +13,8 @@ from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_workbook
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
+from tautwire.inputs.attached import with_project
 from tautwire.inputs.load import load_case
-from tautwire.inputs.project import with_project
 from tautwire.model.build import build
 from tautwire.report.layout_plan.plan import layout_plan, problems_before
 from tautwire.version import __version__

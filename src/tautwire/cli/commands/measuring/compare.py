@@ -21,7 +21,7 @@ from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import InputError
 from tautwire.files import write_text
-from tautwire.inputs.project import load_project
+from tautwire.inputs.attached import load_project
 from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.files.formats import is_computed
 from tautwire.report.parts.recordings.comparison import (
