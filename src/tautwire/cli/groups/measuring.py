@@ -82,6 +82,16 @@ def measured(
             show_default=False,
         ),
     ] = None,
+    hard: Annotated[
+        str | None,
+        typer.Option(
+            "--hard",
+            metavar="ACCELERATION",
+            help="Acceleration of the head above which a hard spot is listed, as in '490 m/s2'; "
+            "seven times what is usual in the run by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -101,7 +111,7 @@ def measured(
         from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
-            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
+            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high, hard
         )
         show_recording(answer, request, out)
 
