@@ -45,8 +45,8 @@ class _Rule(NamedTuple):
 _STRETCH = _Rule.gauss(5)
 """For eps^2, which has degree 8: exact to degree 9."""
 _BEND = _Rule.gauss(2)
-"""For kappa^2, which is rational and near to degree 2 in a taut wire: exact to degree 3. Five points
-change the contact force of AC simple by less than 0.001 N."""
+"""For kappa^2, which is rational and near to degree 2 in a taut wire: exact to degree 3. With five
+points the contact force of AC simple changes by less than 0.001 N."""
 
 _BLOCK = 1024
 """Elements whose second derivatives are formed at once: their intermediate arrays, some 4 kB an
