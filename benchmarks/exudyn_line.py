@@ -14,7 +14,6 @@ from pathlib import Path
 
 import machine
 import numpy as np
-from exudyn_rig import ExudynLine
 from numpy.typing import NDArray
 
 import tautwire as tw
@@ -88,13 +87,13 @@ def in_balance(
     flexibility = 1.0 / stiffness + float((1.0 / chain.stiffness[:-1]).sum())
     ground = given.start_height  # the base spring is slack with the head at the nominal height
     lift = float(given.stage_forces.sum())
-    force, q = lift, system.position
+    plane, force, q = given.plane(given.start_time), lift, system.position
     for _ in range(30):
-        point = path.locate(q, given.start_x)
+        point = path.locate(q, plane)
         assert point is not None
-        push = Push(point.dofs_z[None], point.row[None], force)
+        push = Push(point.dofs.reshape(1, -1), point.push.reshape(1, -1), force)
         q = window.respond([push])[0].position
-        height = path.locate(q, given.start_x).height  # type: ignore[union-attr]
+        height = path.locate(q, plane).height  # type: ignore[union-attr]
         lowest = height - ground + force * flexibility
         force = lift - chain.stiffness[-1] * lowest
     start = replace(
@@ -126,6 +125,8 @@ def with_tautwire(elements: int, seconds: float) -> tuple[History, Case]:
 
 def with_exudyn(case: Case, elements: int, seconds: float) -> History:
     """Integrate with Exudyn."""
+    from exudyn_rig import ExudynLine  # so that tautwire's side runs where Exudyn is not installed
+
     rig = ExudynLine(case, elements)
     rig.find_equilibrium()
     begin = time.process_time()

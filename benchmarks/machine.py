@@ -6,8 +6,10 @@ to these, measured in the same process just before and after.
 
 from __future__ import annotations
 
+import platform
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -59,6 +61,14 @@ def _triad(count: int, calls: int) -> float:
             np.add(b, c, out=a)
 
     return calls * 24.0 * count / _fastest(work, 7) / 1e9
+
+
+def processor() -> str:
+    """Return the name of the processor, as far as the system tells it."""
+    told = Path("/proc/cpuinfo")
+    lines = told.read_text(encoding="utf-8").splitlines() if told.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
 
 
 def measure() -> Machine:

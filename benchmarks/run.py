@@ -6,10 +6,12 @@ second. The whole run is ``tautwire run ac-simple`` with NAD 9, its imports and 
 Beside each figure stands what the machine could do at that moment (see machine.py), and ``work``:
 the CPU time in units of the matrix product of that moment, GFlop. It is what a run is compared by:
 
-    python benchmarks/run.py --store benchmarks/stored.json      # keep this run
-    python benchmarks/run.py --compare benchmarks/stored.json    # the default
+    python benchmarks/run.py --store FILE      # keep this run
+    python benchmarks/run.py --compare FILE    # benchmarks/stored.json by default
 
-The last line tells what costs more than 10 % more work than stored; the exit code is 1 then.
+The last line tells what costs more than 10 % more work than stored, or has fallen by more than 10 %
+against Exudyn; the exit code is 1 then. Ratios to a matrix product belong to a processor: the line
+says so where the stored rows are from another one.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ STORED = HERE / "stored.json"
 REGRESSION = 0.10
 """Share by which the work of a row may grow before it is told."""
 LEVELS = {"v4": "AVX-512", "v3": "AVX2", "v2": "SSE4.2"}
+EXUDYN = "two wires"
 HEAD = (
     f"{'':22s}{'CPU s':>8s}{'wall s':>8s}{'work':>9s}{'stored':>9s}{'DOF':>8s}{'it/step':>8s}"
     f"{'MB':>6s}{'dgemm GF/s':>11s}{'cache GB/s':>11s}{'DRAM GB/s':>10s}  kernels"
@@ -91,16 +94,25 @@ def whole_run(repeats: int = 1, **changes: Any) -> Row:
     return min(rows, key=lambda row: row["work"])
 
 
-def exudyn() -> Row:
-    """Measure the two-wire line in Exudyn, a general program, which takes minutes."""
+def beside_exudyn() -> Row:
+    """Measure the two-wire line in tautwire and in Exudyn, a general program; takes minutes."""
     before = machine.measure()
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, str(HERE / "exudyn_line.py")]
     answer = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-    told = re.search(r"^Exudyn: ([\d.]+) CPU s", answer.stdout, re.MULTILINE)
+    told = re.search(
+        r"^tautwire (.*): ([\d.]+) CPU s.*\nExudyn: ([\d.]+) CPU s", answer.stdout, re.MULTILINE
+    )
     assert told is not None, answer.stdout
-    here, cpu = machine.measure().best_with(before), float(told[1])
-    return {"cpu_s": cpu, "work": cpu * here.dgemm, "backend": "Exudyn", **vars(here)}
+    here, cpu, theirs = machine.measure().best_with(before), float(told[2]), float(told[3])
+    return {
+        "cpu_s": cpu,
+        "work": cpu * here.dgemm,
+        "backend": told[1],
+        "exudyn_cpu_s": theirs,
+        "ratio": theirs / cpu,
+        **vars(here),
+    }
 
 
 def _children() -> float:
@@ -123,7 +135,7 @@ def rows_of(seconds: float, repeats: int, spans: int) -> dict[str, Callable[[], 
         repeats, **{"settings.nodes_between_droppers": 9, "line.spans": spans, **_inside(spans)}
     )
     if importlib.util.find_spec("exudyn") is not None:
-        rows["two wires, Exudyn"] = exudyn
+        rows[EXUDYN] = beside_exudyn
     return rows
 
 
@@ -136,6 +148,7 @@ def line(name: str, row: Row, stored: Mapping[str, Row]) -> str:
     """Return one line of the table."""
     known = stored.get(name, {}).get("work")
     before = "" if known is None else f"{known:.2f}"
+    beside = f", {row['ratio']:.0f} times Exudyn" if "ratio" in row else ""
     number = {key: value for key, value in row.items() if isinstance(value, (int, float))}
 
     def cell(key: str, form: str) -> str:
@@ -145,7 +158,7 @@ def line(name: str, row: Row, stored: Mapping[str, Row]) -> str:
         f"{name:22s}{cell('cpu_s', '8.3f')}{cell('wall_s', '8.3f')}{cell('work', '9.2f')}"
         f"{before:>9s}{cell('dof', '8.0f')}{cell('iterations', '8.2f')}{cell('memory_mb', '6.0f')}"
         f"{cell('dgemm', '11.1f')}{cell('cached', '11.1f')}{cell('memory', '10.1f')}"
-        f"  {row['backend']}"
+        f"  {row['backend']}{beside}"
     )
 
 
@@ -155,14 +168,28 @@ def compared(rows: Mapping[str, Row], stored: Mapping[str, Row]) -> tuple[str, b
     Rows that other kernels have computed are not compared.
     """
     both = [n for n in rows if n in stored and rows[n]["backend"] == stored[n]["backend"]]
-    grown = {n: rows[n]["work"] / stored[n]["work"] - 1.0 for n in both}
-    slower = {n: share for n, share in grown.items() if share > REGRESSION}
+    told = [words for n in both if (words := _slower(n, rows[n], stored[n]))]
+    elsewhere = {stored[n]["processor"] for n in both} - {rows[n]["processor"] for n in both}
+    here = f" (stored on {elsewhere.pop()}; here {rows[both[0]]['processor']})" if elsewhere else ""
     if not both:
         return "nothing to compare with", False
-    if not slower:
-        return f"no regression of more than {REGRESSION:.0%} in {len(both)} rows compared", False
-    told = ", ".join(f"{name} +{share:.0%}" for name, share in slower.items())
-    return f"REGRESSION in {len(slower)} of {len(both)} rows compared: {told}", True
+    if not told:
+        return (
+            f"no regression of more than {REGRESSION:.0%} in {len(both)} rows compared{here}",
+            False,
+        )
+    return f"REGRESSION in {len(told)} of {len(both)} rows compared: {', '.join(told)}{here}", True
+
+
+def _slower(name: str, row: Row, stored: Row) -> str:
+    """Say what of a row is more than a regression; nothing where all is as it was."""
+    grown = row["work"] / stored["work"] - 1.0
+    fallen = (
+        row["ratio"] / stored["ratio"] - 1.0 if {"ratio"} <= row.keys() & stored.keys() else 0.0
+    )
+    if grown > REGRESSION:
+        return f"{name}: work +{grown:.0%}"
+    return f"{name}: ratio to Exudyn {fallen:.0%}" if fallen < -REGRESSION else ""
 
 
 def available(name: str) -> bool:
@@ -191,10 +218,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not available(name):
             print(f"{name:22s} not on this processor")
             continue
-        rows[name] = measure()
+        rows[name] = measure() | {"processor": machine.processor()}
         print(line(name, rows[name], stored), flush=True)
-    if "two wires, Exudyn" not in rows and not given.only:
-        print("two wires, Exudyn      not installed (pip install exudyn==1.13.6)")
+    if EXUDYN not in rows and not given.only:
+        print(f"{EXUDYN:22s} Exudyn is not installed (pip install exudyn==1.13.6)")
     text, has_regressed = compared(rows, stored)
     print(text)
     if given.store:

@@ -158,6 +158,9 @@ def test_unknown_name_and_wrong_kind() -> None:
     """A wrong name is answered with close ones, a wrong kind with what is needed."""
     with pytest.raises(InputError, match=r"no contact wire named 'AC-130 Cu'; did you mean 'AC-1"):
         SHELF.find("AC-130 Cu", ["contact wire"])
+    every = r"'AC-150 CuMg0.2', 'BC-150 CuMg0.2', 'AC-150 CuMg0.5', 'BC-150 CuMg0.5'\?"
+    with pytest.raises(InputError, match=f"did you mean {every}"):
+        SHELF.find("CuMg 150", ["contact wire"])
     with pytest.raises(InputError, match=r"'BzII-10' is a dropper; a contact wire is needed"):
         SHELF.find("BzII-10", ["contact wire"])
 

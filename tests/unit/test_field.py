@@ -77,7 +77,7 @@ def test_published_line_without_numerical_choices() -> None:
     case = case_of(wires__contact__tension="1430 kgf")
     assert case.wires.contact.tension == pytest.approx(1430 * 9.80665)
     assert resolution(case, expand(case)).carries(200.0)
-    assert [item.topic for item in preflight(case)] == ["contact stiffness"]
+    assert [item.topic for item in preflight(case)] == ["uplift force", "contact stiffness"]
     problems = refusals(wires__contact__mass="1.07 kN", scenario__speed="fast")
     assert len(problems) == 2
 

@@ -150,6 +150,21 @@ def test_speed() -> None:
     assert ("warning", "speed") not in _advice(scenario__speed="320 km/h")
 
 
+def test_force_of_the_air() -> None:
+    """A fast train lifted as at standstill is told; a target or a force of the air is not."""
+    still = {"pantographs[1].static_force": "70 N", "scenario.mean_force": None}
+    told = {(a.severity, a.topic): a for a in preflight(load_case("ac-simple", still))}
+    assert "70 N lift pantograph" in str(told["warning", "uplift force"])
+    for more in (
+        {"pantographs[1].aerodynamic": "0.00097 N/(km/h)^2"},
+        {"pantographs[1].stages[1].force": {"per_speed_squared": "0.0005 N/(km/h)^2"}},
+        {"scenario.mean_force": "150 N"},
+        {"scenario.speed": "80 km/h"},
+    ):
+        topics = {a.topic for a in preflight(load_case("ac-simple", still | more))}
+        assert "uplift force" not in topics, more
+
+
 def test_trailing_pantograph() -> None:
     """A line on which the last pantograph cannot cross the section will be refused."""
     found = preflight(load_case("ac-simple-two-pantographs", {"line.spans": 8}))

@@ -169,3 +169,33 @@ def test_source_that_states_its_value(tmp_path: Path) -> None:
     for height, count in (("1.4 m", 1), ("1.5 m", 0)):
         case = load_case(write(tmp_path, f"supports: {{encumbrance: {height}}}\n{sources}"))
         assert len([s for s in case.sources if s.source == "drawing 1"]) == count
+
+
+def test_entries_named_otherwise() -> None:
+    """A name under 'type' is told as 'use', and what the entry would give is not asked for."""
+    data = {
+        "schema": 2,
+        "include": "ac-simple",
+        "wires": {"contact-2": {"role": "contact", "type": "Ri 100"}},
+        "pantograph": {"use": "DSA380"},
+    }
+    with pytest.raises(InputError) as caught:
+        make_case(data)
+    told = "\n".join(caught.value.problems)
+    assert "wires.contact-2.type: unknown key; did you mean 'use'?" in told
+    assert "wires.contact-2.tension: is missing:" in told
+    assert "mass" not in told
+    assert "pantograph: unknown key; did you mean 'pantographs'?" in told
+    assert "nothing of the catalogue belongs here" not in told
+
+
+def test_missing_numbers_may_come_from_the_catalogue() -> None:
+    """A missing number that entries state says so; a tension, which none states, does not."""
+    data = {"schema": 2, "include": "ac-simple", "wires": {"contact-2": {"role": "contact"}}}
+    with pytest.raises(InputError) as caught:
+        make_case(data)
+    told = [text for text in caught.value.problems if "contact-2" in text]
+    how = [text.split(": ")[1] for text in told if "an entry of the cat" in text]
+    names = ("mass", "axial_stiffness", "bending_stiffness")
+    assert how == [f"wires.contact-2.{name}" for name in names]
+    assert len(told) == 4

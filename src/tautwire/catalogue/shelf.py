@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -17,6 +18,9 @@ from tautwire.faults import words_of
 
 _FILE_KEYS = ("kind", "sources", "profiles", "entries")
 """Keys of a catalogue file; ``profiles`` holds nothing but anchors for the entries."""
+
+_SUGGESTIONS = 4
+"""Names suggested for an unknown one: the two grooves of a contact wire in two alloys."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +85,21 @@ class Shelf:
         wanted = "entry" if kinds == KIND_NAMES else " or ".join(kinds)
         if other:
             return f"{name!r} is a {other[0].kind}; a {wanted} is needed here"
-        named = {n: p.name for p in self.of(kinds) for n in (p.name, *p.aliases)}
-        folded = {_folded(n): n for n in named}
-        close = get_close_matches(_folded(name), folded, n=3, cutoff=0.5)
-        # An alias and its entry are one suggestion: say what the user nearly wrote.
-        hint = ", ".join(dict.fromkeys(repr(folded[word]) for word in close))
+        hint = ", ".join(map(repr, self._like(name, kinds)))
         cure = f"did you mean {hint}?" if hint else "'tautwire catalogue' lists what there is"
         return f"the catalogue has no {wanted} named {name!r}; {cure}"
+
+    def _like(self, name: str, kinds: tuple[str, ...]) -> list[str]:
+        """Return names near another one: those with all its words and numbers, else the likest."""
+        names = [(p.name, *p.aliases) for p in self.of(kinds)]
+        asked = re.findall(r"[^\W\d]+|[\d.]+", name.casefold().replace("_", " "))
+        if asked:
+            whole = ([n for n in own if all(word in _folded(n) for word in asked)] for own in names)
+            if first := [found[0] for found in whole if found]:
+                return first[:_SUGGESTIONS]
+        folded = {_folded(n): n for own in names for n in own}
+        close = get_close_matches(_folded(name), folded, n=_SUGGESTIONS, cutoff=0.5)
+        return [folded[key] for key in close]
 
 
 @lru_cache(maxsize=1)

@@ -17,12 +17,11 @@ from tautwire.catalogue.parts import Part
 from tautwire.catalogue.shelf import Shelf, package_shelf, read_parts
 from tautwire.errors import InputError
 from tautwire.inputs.merge import merge
+from tautwire.inputs.paths import USE, PathError, fields_by_key, find_target, format_path
 from tautwire.inputs.paths import Path as ValuePath
-from tautwire.inputs.paths import fields_by_key, format_path, spec_at
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import read_case_text
 
-USE = "use"
 Sources = list[dict[str, str]]
 
 
@@ -93,7 +92,10 @@ def write_out(
         When a name is unknown, or nothing of the catalogue belongs here.
     """
     place = format_path((*at, USE))
-    spec = spec_at(at)
+    try:
+        spec = find_target(at).spec
+    except PathError:  # the key above is unknown: validation says so, with the likely one
+        return {}, []
     if spec is None or not spec.catalogue_kinds:
         raise InputError(
             f"{place}: nothing of the catalogue belongs here; 'use' stands in a wire, in "

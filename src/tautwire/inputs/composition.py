@@ -14,10 +14,10 @@ from tautwire.catalogue.shelf import Shelf, package_shelf
 from tautwire.errors import InputError
 from tautwire.inputs import inheritance
 from tautwire.inputs.attached import with_image, with_limits
-from tautwire.inputs.completion import USE, chosen_variants, own_files, shelf_with, write_out
+from tautwire.inputs.completion import chosen_variants, own_files, shelf_with, write_out
 from tautwire.inputs.merge import merge, paths_of, with_table
-from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.paths import (
+    USE,
     PathError,
     fields_by_key,
     find_target,
@@ -26,6 +26,7 @@ from tautwire.inputs.paths import (
     spec_at,
     value_at,
 )
+from tautwire.inputs.paths import Path as ValuePath
 from tautwire.inputs.reading.documents import SUFFIXES, parse_document
 from tautwire.inputs.reading.files import did_you_mean, named, neighbours, read_case_text
 from tautwire.inputs.reading.reach import Reach

@@ -10,17 +10,21 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
+from tautwire.catalogue.parts import KINDS, Part
 from tautwire.faults import BOUNDS, is_said_elsewhere, words_of
 from tautwire.inputs.paths import (
+    USE,
     Path,
     PathError,
     Target,
     fields_by_key,
     find_target,
     format_path,
+    spec_at,
     unknown_key,
     value_at,
     without_forms,
+    written_keys,
 )
 from tautwire.inputs.reading.files import did_you_mean
 from tautwire.inputs.reading.grouping import pattern, thinned, with_count
@@ -37,6 +41,7 @@ from tautwire.specs.base import (
 from tautwire.specs.case import Case
 from tautwire.specs.checks import find_contradictions
 from tautwire.specs.line.catenary import MOST_SPANS
+from tautwire.specs.schema.vocabulary import meaning_of
 from tautwire.text import shown
 from tautwire.units import UnitError, expectation, parse_quantity
 
@@ -148,6 +153,8 @@ def _problems(fault: ErrorDetails, data: Data) -> list[Problem]:
         return [Problem(_as_written(path, data), str(cause))]
     if is_said_elsewhere(fault):
         return []
+    if fault["type"] == "missing" and _comes_with_entry(path, data):
+        return []
     if fault["type"] == "missing" and isinstance(path[-1], int):
         path = path[:-1]
         return [Problem(path, f"has too few values. {_description(find_target(path))}")]
@@ -166,11 +173,12 @@ def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
     kind, limits = fault["type"], fault.get("ctx", {})
     if kind == "extra_forbidden":
         parent = find_target(path[:-1]).spec
-        fields = fields_by_key(parent) if parent is not None else {}
-        return unknown_key(str(path[-1]), fields, format_path(path[:-1]))
+        known = written_keys(parent) if parent is not None else ()
+        return unknown_key(str(path[-1]), known, format_path(path[:-1]))
     target = find_target(path)
     if kind == "missing":
-        return f"is missing: {_description(target)}{_wanted_quantity(target.quantity)}"
+        how = " (or name an entry of the catalogue with 'use')" if _is_in_catalogue(path) else ""
+        return f"is missing{how}: {_description(target)}{_wanted_quantity(target.quantity)}"
     written = value_at(data, path)
     got = f"got {shown(fault['input'] if written is None else written)}"
     if kind in BOUNDS:
@@ -182,8 +190,28 @@ def _text(fault: ErrorDetails, path: Path, data: Data) -> str:
     if kind == "union_tag_invalid":
         return f"{got}; expected {_wanted_forms(limits)}{_wanted_quantity(target.quantity)}"
     if kind == "model_type" and target.spec is not None:
-        return f"{got}; expected a mapping with the keys {', '.join(fields_by_key(target.spec))}"
+        return f"{got}; expected a mapping with the keys {', '.join(written_keys(target.spec))}"
     return words_of({**fault, "input": fault["input"] if written is None else written})
+
+
+def _is_in_catalogue(path: Path) -> bool:
+    """Tell whether entries that may stand beside a value state it."""
+    spec = spec_at(path[:-1])
+    kinds = spec.catalogue_kinds if spec is not None else ()
+    own = (
+        kind.model_fields.keys() - Part.model_fields.keys() for kind in KINDS if kind.kind in kinds
+    )
+    return any(path[-1] in keys for keys in own)
+
+
+def _comes_with_entry(path: Path, data: Data) -> bool:
+    """Tell whether a missing value comes with the entry that an unknown key beside it names."""
+    spec, beside = spec_at(path[:-1]), value_at(data, path[:-1])
+    if spec is None or not isinstance(beside, Mapping) or path[-1] in beside:
+        return False
+    meanings = [meaning_of(str(key)) for key in beside if key not in fields_by_key(spec)]
+    names_entry = any(meaning is not None and meaning.key == USE for meaning in meanings)
+    return names_entry and _is_in_catalogue(path)
 
 
 def _description(target: Target) -> str:
@@ -235,7 +263,8 @@ def _hidden_problems(faults: Sequence[ErrorDetails], data: Data) -> Iterator[Pro
     words = {str(path[-1]) for path in removed}
     for problem in _problems_of_rest(_without(data, removed)):
         above = {problem.path[:depth] for depth in range(1, len(problem.path) + 1)}
-        if above.isdisjoint(removed) and words.isdisjoint(re.findall(r"\w+", problem.text)):
+        is_told = not words.isdisjoint(re.findall(r"\w+", problem.text))
+        if above.isdisjoint(removed) and not is_told and not _comes_with_entry(problem.path, data):
             yield problem
 
 

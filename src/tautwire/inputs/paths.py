@@ -6,7 +6,7 @@ Inside the program a path is a tuple of field names and 0-based indices; people 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
@@ -19,6 +19,8 @@ from tautwire.specs.case import Case
 from tautwire.specs.schema.vocabulary import PAGE, meaning_of
 
 Path = tuple[str | int, ...]
+USE = "use"
+"""Key that names an entry of the catalogue."""
 _STEP = re.compile(r"([A-Za-z_][\w-]*)((?:\[[0-9]{1,6}\])*)", re.ASCII)
 
 
@@ -117,8 +119,9 @@ def find_target(path: Path) -> Target:
             field, spec = None, spec.named_items
             continue
         if step not in fields:
+            known = written_keys(spec) if spec is not None else ()
             place = format_path(path[: depth + 1])
-            raise PathError(f"{place}: {unknown_key(step, fields, format_path(path[:depth]))}")
+            raise PathError(f"{place}: {unknown_key(step, known, format_path(path[:depth]))}")
         field = fields[step]
         spec = next(iter(_specs(field.annotation)), None)
     return Target(field, spec)
@@ -136,7 +139,7 @@ _HOW = {"wires": ", each wire by a name and a role of its own, as in 'contact-2:
 """What a key alone does not say, by key."""
 
 
-def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
+def unknown_key(key: str, allowed: Collection[str], above: str) -> str:
     """Say that a key is unknown, and what may be meant.
 
     Parameters
@@ -165,6 +168,11 @@ def unknown_key(key: str, allowed: Mapping[str, Any], above: str) -> str:
 def fields_by_key(spec: type[Spec]) -> dict[str, FieldInfo]:
     """Return the fields of a spec by the key that is written in a file."""
     return {field.alias or name: field for name, field in spec.model_fields.items()}
+
+
+def written_keys(spec: type[Spec]) -> tuple[str, ...]:
+    """Return the keys that may be written in the mapping of a spec, 'use' among them."""
+    return (*fields_by_key(spec), *((USE,) if spec.catalogue_kinds else ()))
 
 
 def value_at(data: Any, path: Path) -> Any:

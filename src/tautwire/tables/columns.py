@@ -36,6 +36,11 @@ class Field:
         The same by its words alone, as :func:`key_of` tells them.
     is_numbered : bool
         Whether a table may have several, told apart by numbers.
+    repeated : frozenset of str
+        What it is also called, folded, in a table with one row per span beside the number of a
+        dropper; empty where it tells nothing of a single dropper.
+    with_unit : frozenset of str
+        What it is called, folded, where its unit stands beside.
     plausible : (str, float, float) or None
         A statistic of the values and its usual bounds in SI.
     units : tuple of str
@@ -47,6 +52,8 @@ class Field:
     headings: frozenset[str]
     keys: frozenset[str] = frozenset()
     is_numbered: bool = False
+    repeated: frozenset[str] = frozenset()
+    with_unit: frozenset[str] = frozenset()
     plausible: tuple[str, float, float] | None = None
     units: tuple[str, ...] = ()
 
@@ -61,6 +68,8 @@ def fields_of(kind: str) -> tuple[Field, ...]:
             _headings(name, entry),
             _keys(name, entry),
             entry.get("numbered", False),
+            frozenset(map(folded, entry.get("repeated", ()))),
+            frozenset(map(folded, entry.get("with_unit", ()))),
             tuple(entry["plausible"]) if "plausible" in entry else None,
             tuple(entry.get("units", ())),
         )

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from tautwire.errors import InputError
+from tautwire.tables.mapping import SheetMapping
 from tautwire.tables.rows import Rows
 from tautwire.tables.values import ratio_of
+from tautwire.text import shortened
 
 IDENTITY = ("tension_length", "from", "to")
 """What a dropper of a set has in common with the others, as a table tells it."""
@@ -16,6 +18,9 @@ SET = "set"
 """Number of a set in a table that a case was written to, from 1."""
 _COLUMNS = {"positions": "position", "presag": "presag"}
 UNSTRAINED = "unstrained_length"
+NEAREST_LAST = 0.5
+"""Share of the span beyond which the last of its droppers stands, where one row tells of a span:
+even two droppers stand on both sides of the middle."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +58,13 @@ def read_droppers(rows: Rows, plan: LinePlan) -> DropperTable:
     InputError
         When it has no positions, or nothing tells to which span a dropper belongs.
     """
+    _check_columns(rows.mapping)
     positions = rows.full("position")
     if positions is None:
         raise InputError(f"{rows.sheet.label}: the column 'position' is empty")
     supports = rows.numbers("about_support") or [None] * len(positions)
     places = _places_of_rows(rows, plan, supports)
+    _check_rows_of_spans(rows, plan, places, positions)
     lengths = UNSTRAINED if rows.mapping.use(UNSTRAINED) is not None else "length"
     columns = {"positions": positions, **_kinds_of_length(rows, plan, places, lengths)}
     identity = _identity_of_rows(rows)
@@ -167,6 +174,53 @@ def _check_spans(
     beyond = sorted({span for span in filled if not 1 <= span <= count})
     for span in beyond:
         rows.complain(places.index(span), "span", f"got {span}; the line has {count} spans")
+
+
+def _check_columns(mapping: SheetMapping) -> None:
+    """Refuse columns of droppers that are not numbered from 1 on, or not alike for every value.
+
+    Raises
+    ------
+    InputError
+        Naming the columns that are missing.
+    """
+    wanted = range(1, max(mapping.droppers, default=0) + 1)
+    problems = []
+    for name in dict.fromkeys(use.field.name for use in mapping.uses if use.dropper is not None):
+        own = {use.dropper: use.heading for use in mapping.uses if use.field.name == name}
+        missing = ", ".join(str(number) for number in wanted if number not in own)
+        if missing:
+            there = ", ".join(map(repr, own.values()))
+            problems.append(
+                f"{mapping.sheet.label}: no column with the {name.replace('_', ' ')} of dropper "
+                f"{missing}; there are {shortened(there, 200)}"
+            )
+    if problems:
+        raise InputError(problems)
+
+
+def _check_rows_of_spans(
+    rows: Rows, plan: LinePlan, places: Sequence[int], positions: Sequence[float]
+) -> None:
+    """Complain of spans that have two rows, and of distances that are not counted from the mast."""
+    if not rows.mapping.droppers or rows.problems:
+        return
+    lengths, first_of = plan.span_lengths, dict[int, int]()
+    for index, (row, place) in enumerate(zip(rows.indices, places, strict=True)):
+        if first_of.setdefault(place, row) != row:
+            rows.complain(index, "span", f"span {place} has a row above; one row per span is read")
+            return
+    last = {place: index for index, place in enumerate(places)}
+    for place, index in last.items():
+        span = lengths[place - 1] if 0 < place <= len(lengths) else 0.0
+        is_alone = index == 0 or places[index - 1] != place
+        if not is_alone and 0.0 < positions[index] < NEAREST_LAST * span:
+            text = (
+                f"got {positions[index]:g} m for the last dropper of a span of {span:g} m; "
+                "positions count from the mast on the left, not from one dropper to the next"
+            )
+            rows.complain(index, "position", text)
+            return
 
 
 def _expected(identity: Sequence[tuple[Any, ...]], places: Sequence[int]) -> list[int]:

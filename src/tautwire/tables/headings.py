@@ -10,10 +10,11 @@ from tautwire.specs.schema.vocabulary import folded
 from tautwire.tables.columns import COUNT, TEXT, Field, key_of, places, split_heading
 from tautwire.tables.values import unit_fits
 
-_GROUP = re.compile(r"^.*[.|:\\]|^.*/(?=[^/]*[^\W\d_]{2})")
-"""What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``."""
+_GROUP = re.compile(r"^.*(?:\.(?! )|[|:\\])|^.*/(?=[^/]*[^\W\d_]{2})")
+"""What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``. A
+point with a blank behind it ends an abbreviation."""
 _TRAILING_UNIT = re.compile(r"^(.*?[^\s_/,;])(?:\s*[/,;]\s+|[\s_]+in\s+|[\s_]+)([^\s_]+)$")
-_NUMBER_WORD = re.compile(
+NUMBER_WORD = re.compile(
     r"(?<![^\W\d_])(?:no|nos|nr|num|number|n[º°o]|n|nummer|numero|número|numéro|id|#)\.?(?![^\W\d_])",
     re.IGNORECASE,
 )
@@ -31,12 +32,15 @@ class Reading:
     unit : str
     strip, sensor : int or None
         Numbers of a numbered channel, from 1.
+    dropper : int or None
+        Number of the dropper of a table with one row per span, from 1.
     """
 
     field: Field
     unit: str
     strip: int | None = None
     sensor: int | None = None
+    dropper: int | None = None
 
 
 def read_heading(heading: str, unit_below: str, fields: Sequence[Field]) -> Reading | None:
@@ -51,19 +55,20 @@ def read_heading(heading: str, unit_below: str, fields: Sequence[Field]) -> Read
     fields
         What the table may hold.
     """
-    spellings = list(_spellings(heading, unit_below))
-    return _by_name(spellings, fields) or _by_number(spellings, fields)
+    spelt = list(spellings(heading, unit_below))
+    return _by_name(spelt, fields) or _by_number(spelt, fields)
 
 
-def _by_name(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
+def _by_name(spelt: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
     """Match the words as they stand, in another order, or without what says that they count."""
     counted = [field for field in fields if field.unit in (TEXT, COUNT)]
-    for words, unit in spellings:
+    for words, unit in spelt:
         word = folded(words)
         for field in fields:
-            if word in field.headings and unit_fits(unit, field.unit):
+            known = field.headings | field.with_unit if unit else field.headings
+            if word in known and unit_fits(unit, field.unit):
                 return Reading(field, unit)
-    for words, unit in spellings:
+    for words, unit in spelt:
         for key, chosen in ((key_of(words), fields), (_counting(words), counted)):
             for field in chosen:
                 if key in field.keys and unit_fits(unit, field.unit):
@@ -71,10 +76,10 @@ def _by_name(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) -> R
     return None
 
 
-def _by_number(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
+def _by_number(spelt: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Reading | None:
     """Match the words of a channel of which a table has several, told apart by numbers."""
     numbered = [field for field in fields if field.is_numbered]
-    for words, unit in spellings if numbered else ():
+    for words, unit in spelt if numbered else ():
         strip, sensor, names = _numbers(words)
         for field in numbered:
             if names & field.headings and unit_fits(unit, field.unit):
@@ -84,10 +89,10 @@ def _by_number(spellings: Sequence[tuple[str, str]], fields: Sequence[Field]) ->
 
 def _counting(words: str) -> str:
     """Return the key of a heading without what says that it counts or names things."""
-    return key_of(_NUMBER_WORD.sub(" ", words))
+    return key_of(NUMBER_WORD.sub(" ", words))
 
 
-def _spellings(heading: str, unit_below: str) -> Iterator[tuple[str, str]]:
+def spellings(heading: str, unit_below: str) -> Iterator[tuple[str, str]]:
     """Yield words and unit: as they stand, without a group before, with a unit at the end."""
     words, unit = split_heading(heading)
     unit = unit or unit_below

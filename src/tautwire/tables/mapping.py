@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tautwire.errors import InputError
+from tautwire.specs.line.dropper import MOST_DROPPERS
 from tautwire.specs.schema.vocabulary import folded
+from tautwire.tables.by_span import read_by_span, with_one_row_of_headings
 from tautwire.tables.columns import (
     ANY,
     COUNT,
@@ -24,7 +26,7 @@ from tautwire.tables.columns import (
     sheet_names,
     split_heading,
 )
-from tautwire.tables.headings import read_heading
+from tautwire.tables.headings import Reading, read_heading
 from tautwire.tables.sheets import HEADING_ROWS, Sheet
 from tautwire.tables.values import unit_fits
 from tautwire.text import shortened
@@ -49,6 +51,8 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
 }
 """What a table must have to be of a kind: one field of each group."""
+_NUMBERS = ("strip", "sensor", "dropper")
+"""What tells columns of one field apart."""
 _BY_UNIT = {"speed": ("speed",), "force": ("force", "sensor_force"), "time": ("time",)}
 """Fields of recordings that the only unread column in their unit is taken for, unless one of these
 is there already."""
@@ -56,7 +60,10 @@ is there already."""
 
 @dataclass(frozen=True)
 class Use:
-    """What one column is read as; `strip` and `sensor` number channels of a kind, from 1."""
+    """What one column is read as; numbers from 1 tell columns of one field apart.
+
+    `strip` and `sensor` are those of channels, `dropper` that of a table with one row per span.
+    """
 
     column: int
     heading: str
@@ -64,6 +71,7 @@ class Use:
     unit: str
     strip: int | None = None
     sensor: int | None = None
+    dropper: int | None = None
 
 
 @dataclass(frozen=True)
@@ -95,9 +103,21 @@ class SheetMapping:
     positive: Side = "left"
     notes: tuple[str, ...] = ()
 
-    def use(self, name: str) -> Use | None:
-        """Return the column of a field, or None."""
-        return next((use for use in self.uses if use.field.name == name), None)
+    def use(self, name: str, dropper: int | None = None) -> Use | None:
+        """Return the column of a field, of one dropper where it has several; or None."""
+        own = (use for use in self.uses if use.field.name == name)
+        return next((use for use in own if None in (dropper, use.dropper)
+                     or use.dropper == dropper), None)  # fmt: skip
+
+    @property
+    def droppers(self) -> tuple[int, ...]:
+        """Numbers of the droppers of which one row tells; empty where each has its row."""
+        return tuple(sorted({use.dropper for use in self.uses if use.dropper is not None}))
+
+    @property
+    def field_count(self) -> int:
+        """How many fields the columns hold, those of several droppers counted once."""
+        return len({(use.field.name, use.strip, use.sensor) for use in self.uses})
 
     def place(self, row: int, use: Use) -> str:
         """Name a cell, by the heading of its column too."""
@@ -119,14 +139,27 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     named = next((kind for kind in kinds if folded(sheet.name) in sheet_names(kind)), None)
     found = [one for one in proposals if one is not None and named in (None, one.kind)]
     if not found:
+        if "droppers" in kinds and named in (None, "droppers"):
+            _refuse_without_positions(sheet)
         if named is not None:
             _refuse_almost(sheet, named)
         return None
-    best = max(found, key=lambda one: len(one.uses))
+    best = max(found, key=lambda one: one.field_count)
     if best.kind == RECORDING:
         return _first_of_double(_with_units_alone(best))
     _refuse_double(best)
     return best
+
+
+def _refuse_without_positions(sheet: Sheet) -> None:
+    """Refuse a table with a column per dropper that does not tell where the droppers hang."""
+    found = match(sheet, "droppers", fields_of("droppers"), ())
+    if found is not None and found.droppers and (found.use("span") or found.use("mast")):
+        own = ", ".join(use.heading for use in found.uses if use.dropper is not None)
+        raise InputError(
+            f"{sheet.label}: the columns {shortened(own, 120)} do not tell where the droppers "
+            "hang; add columns 'x1', 'x2', ... with their distances from the mast on the left"
+        )
 
 
 def _refuse_almost(sheet: Sheet, kind: str) -> None:
@@ -163,6 +196,7 @@ def match(
     needs
         Groups of fields of each of which it must have one.
     """
+    sheet = with_one_row_of_headings(sheet, fields)
     rows = range(min(HEADING_ROWS, len(sheet.rows) - 1))
     found = [_matched(sheet, row, kind, fields, needs) for row in rows]
     return max(filter(None, found), key=lambda one: len(one.uses), default=None)
@@ -189,6 +223,8 @@ def refuse_headings(
     used = {use.field.name for use in mapping.uses} if mapping is not None else set()
     problems = [fault for text in headings if (fault := _fault_of(text, fields, used))]
     if mapping is None:
+        if not problems and any(field.repeated for field in fields):
+            _refuse_without_positions(sheet)
         known = {name for text in headings if (name := _named_field(text, fields))}
         there = f"; there are: {shortened(', '.join(headings), 200)}" if known or problems else ""
         problems += [
@@ -239,7 +275,7 @@ def mapping_text(mappings: Sequence[SheetMapping], source: Path) -> str:
         lines.append("    columns:")
         for use in one.uses:
             unit = use.unit and _quoted(use.unit)
-            more = {"unit": unit, "strip": use.strip, "sensor": use.sensor}
+            more = {"unit": unit} | {key: getattr(use, key) for key in _NUMBERS}
             said = "".join(f", {key}: {value}" for key, value in more.items() if value)
             lines.append(f"      {_quoted(use.heading)}: {{field: {use.field.name}{said}}}")
         lines += [f"      {_quoted(heading)}: {ASIDE}" for heading in one.aside]
@@ -278,22 +314,32 @@ def apply_mapping(
 def _matched(
     sheet: Sheet, row: int, kind: str, fields: Sequence[Field], needs: Sequence[Sequence[str]]
 ) -> SheetMapping | None:
-    uses, aside = [], []
     units = _units_below(sheet, row)
-    for column, cell in enumerate(sheet.rows[row]):
-        if not isinstance(cell, str):
-            continue
-        found = read_heading(cell, units.get(column, ""), fields)
-        if found is None:
-            aside.append(cell)
-        else:
-            uses.append(Use(column, cell, found.field, found.unit, found.strip, found.sensor))
+    headings = {
+        column: (cell, units.get(column, ""))
+        for column, cell in enumerate(sheet.rows[row])
+        if isinstance(cell, str)
+    }
+    found = {column: read_heading(*texts, fields) for column, texts in headings.items()}
+    left = {column: texts for column, texts in headings.items() if found[column] is None}
+    found |= read_by_span(sheet, row, left, fields)
+    aside = [headings[column][0] for column, reading in found.items() if reading is None]
+    uses = [
+        _use(column, headings[column][0], reading)
+        for column, reading in found.items()
+        if reading is not None
+    ]
     uses = _named_supports(sheet, row, uses, fields)
     names = {use.field.name for use in uses}
     if not all(any(name in names for name in group) for group in needs):
         return None
     first = row + (2 if units else 1)
     return SheetMapping(sheet, kind, row, first, tuple(uses), tuple(aside))
+
+
+def _use(column: int, heading: str, reading: Reading) -> Use:
+    return Use(column, heading, reading.field, reading.unit,
+               reading.strip, reading.sensor, reading.dropper)  # fmt: skip
 
 
 def _named_supports(
@@ -326,9 +372,9 @@ def _units_below(sheet: Sheet, row: int) -> dict[int, str]:
 
 
 def _refuse_double(mapping: SheetMapping) -> None:
-    seen: dict[str, Use] = {}
+    seen: dict[tuple[str, int | None], Use] = {}
     for use in mapping.uses:
-        other = seen.setdefault(use.field.name, use)
+        other = seen.setdefault((use.field.name, use.dropper), use)
         if other is not use:
             raise InputError(
                 f"{mapping.sheet.label}: the columns {other.heading!r} and {use.heading!r} could "
@@ -379,6 +425,7 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
     kind = entry.get("table") if isinstance(entry, MappingType) else None
     if not isinstance(kind, str) or kind not in kinds:
         raise InputError(f"{label}: table: got {kind!r}; choose {', '.join(kinds)}")
+    sheet = with_one_row_of_headings(sheet, fields_of(kind))
     row_number, side = entry.get("heading_row", 1), entry.get("stagger_positive", "left")
     if row_number not in sheet.numbers or side not in ("left", "right"):
         raise InputError(
@@ -391,7 +438,7 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
     for heading, said in (entry.get("columns") or {}).items():
         entry_of = said if isinstance(said, MappingType) else {"field": said}
         name, unit = entry_of.get("field"), str(entry_of.get("unit", ""))
-        numbers = [entry_of.get(key) for key in ("strip", "sensor")]
+        numbers = [entry_of.get(key) for key in _NUMBERS]
         if heading not in columns:
             problems.append(f"{label}: there is no column {heading!r}; {RENEW}")
         elif name == ASIDE:
@@ -399,7 +446,9 @@ def _as_said(sheet: Sheet, entry: Any, label: str, kinds: Sequence[str]) -> Shee
         elif (
             name not in fields
             or not unit_fits(unit, fields[name].unit)
-            or not all(number is None or number in range(1, 100) for number in numbers)
+            or not all(
+                number is None or number in range(1, MOST_DROPPERS + 1) for number in numbers
+            )
         ):
             problems.append(
                 f"{label}: {heading!r}: got {said!r}; a field is one of {', '.join(fields)} or "

@@ -20,7 +20,10 @@ LATERAL = ("contact_stagger", "messenger_stagger", "hinge", "arm_end_y", "end_y"
 
 
 class Rows:
-    """The values of a mapped sheet, column by column, and the problems met."""
+    """The values of a mapped sheet, column by column, and the problems met.
+
+    Where one row tells of several droppers, each of them counts as a row.
+    """
 
     def __init__(self, mapping: SheetMapping) -> None:
         self.mapping, self.sheet = mapping, mapping.sheet
@@ -31,14 +34,16 @@ class Rows:
             if any(self._cell(row, use.column) is not None for use in mapping.uses)
         ]
         self.totals = [self.sheet.numbers[row] for row in filled if self._is_total(row)]
-        self.indices = [row for row in filled if not self._is_total(row)]
+        items = [(row, number) for row in filled if not self._is_total(row)
+                 for number in self._droppers_in(row)]  # fmt: skip
+        self.indices = [row for row, _ in items]
+        self.droppers = [number for _, number in items]
         if not self.sheet.letters:
             self._refuse_overfull(len(self.sheet.rows[mapping.heading_row]))
 
     def numbers(self, name: str) -> list[float | None] | None:
         """Return a column in SI; None where the sheet has none, or one without any value."""
-        use = self.mapping.use(name)
-        values = [] if use is None else [self._number(row, use) for row in self.indices]
+        values = [None if use is None else self._number(row, use) for row, use in self._uses(name)]
         return values if any(value is not None for value in values) else None
 
     def full(self, name: str) -> list[float] | None:
@@ -65,7 +70,7 @@ class Rows:
 
     def place(self, index: int, name: str) -> str:
         """Name a cell."""
-        use = self.mapping.use(name)
+        use = self.mapping.use(name, self.droppers[index])
         if use is None:
             return self.sheet.place(self.indices[index], 0)
         return self.mapping.place(self.indices[index], use)
@@ -76,9 +81,10 @@ class Rows:
 
     def listed_problems(self) -> list[str]:
         """Return the problems, the rest counted where there are very many."""
-        rest = len(self.problems) - MOST_PROBLEMS
+        problems = list(dict.fromkeys(self.problems))  # a cell of several droppers counts once
+        rest = len(problems) - MOST_PROBLEMS
         more = [f"{self.sheet.label}: {rest} more problems"] if rest > 0 else []
-        return self.problems[:MOST_PROBLEMS] + more
+        return problems[:MOST_PROBLEMS] + more
 
     def raise_problems(self) -> None:
         """Raise InputError when there is any problem."""
@@ -86,13 +92,30 @@ class Rows:
             raise InputError(self.listed_problems())
 
     def _refuse_overfull(self, width: int) -> None:
-        for row in self.indices:
+        for row in dict.fromkeys(self.indices):
             cells = self.sheet.rows[row]
             if any(cell is not None for cell in cells[width:]):
                 self.problems.append(
                     f"{self.sheet.label}, line {self.sheet.numbers[row]}: has {len(cells)} cells "
                     f"for {width} columns; check separators and decimal commas"
                 )
+
+    def _uses(self, name: str) -> list[tuple[int, Use | None]]:
+        """Return the sheet's row of every row, and the column of a field there."""
+        uses = {number: self.mapping.use(name, number) for number in set(self.droppers)}
+        return [(row, uses[n]) for row, n in zip(self.indices, self.droppers, strict=True)]
+
+    def _droppers_in(self, row: int) -> list[int | None]:
+        """Return the droppers of which a row tells: up to the last that has a value."""
+        numbers = self.mapping.droppers
+        if not numbers:
+            return [None]
+        told = [
+            use.dropper
+            for use in self.mapping.uses
+            if use.dropper is not None and self._cell(row, use.column) is not None
+        ]
+        return [number for number in numbers if number <= max(told, default=0)]
 
     def _cell(self, row: int, column: int) -> Any:
         cells = self.sheet.rows[row]

@@ -76,6 +76,7 @@ def unit_of(channel: Channel) -> str:
 
 
 def _meaning(use: Use, unit: str) -> str:
-    numbers = [f"{what} {n}" for what, n in (("strip", use.strip), ("sensor", use.sensor)) if n]
+    told = (("strip", use.strip), ("sensor", use.sensor), ("of dropper", use.dropper))
+    numbers = [f"{what} {number}" for what, number in told if number]
     words = " ".join([use.field.name.replace("_", " "), *numbers])
     return f"{words} [{unit}]" if unit else words

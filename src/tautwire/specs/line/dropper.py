@@ -12,8 +12,9 @@ from tautwire.specs.line.tension import TensionLength
 from tautwire.specs.line.wire import Diameter, Expansion, Wires
 from tautwire.units import UnitError, parse_quantity
 
-Most = Field(max_length=200)
+MOST_DROPPERS = 200
 """Droppers of a span; built spans have up to twenty."""
+Most = Field(max_length=MOST_DROPPERS)
 Position = Annotated[float, Quantity("m", ge=-1000.0, le=1000.0, typical="4.5 m to 60 m")]
 Presag = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0 to 60 mm")]
 Length = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="0.3 to 2 m")]
