@@ -39,6 +39,8 @@ class Field:
     repeated : frozenset of str
         What it is also called, folded, in a table with one row per span beside the number of a
         dropper; empty where it tells nothing of a single dropper.
+    with_unit : frozenset of str
+        What it is called, folded, where its unit stands beside.
     plausible : (str, float, float) or None
         A statistic of the values and its usual bounds in SI.
     units : tuple of str
@@ -51,6 +53,7 @@ class Field:
     keys: frozenset[str] = frozenset()
     is_numbered: bool = False
     repeated: frozenset[str] = frozenset()
+    with_unit: frozenset[str] = frozenset()
     plausible: tuple[str, float, float] | None = None
     units: tuple[str, ...] = ()
 
@@ -66,6 +69,7 @@ def fields_of(kind: str) -> tuple[Field, ...]:
             _keys(name, entry),
             entry.get("numbered", False),
             frozenset(map(folded, entry.get("repeated", ()))),
+            frozenset(map(folded, entry.get("with_unit", ()))),
             tuple(entry["plausible"]) if "plausible" in entry else None,
             tuple(entry.get("units", ())),
         )

@@ -10,8 +10,9 @@ from tautwire.specs.schema.vocabulary import folded
 from tautwire.tables.columns import COUNT, TEXT, Field, key_of, places, split_heading
 from tautwire.tables.values import unit_fits
 
-_GROUP = re.compile(r"^.*[.|:\\]|^.*/(?=[^/]*[^\W\d_]{2})")
-"""What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``."""
+_GROUP = re.compile(r"^.*(?:\.(?! )|[|:\\])|^.*/(?=[^/]*[^\W\d_]{2})")
+"""What stands before a name: the device in ``PI.F_1_1``, the group in ``Group/Force``. A
+point with a blank behind it ends an abbreviation."""
 _TRAILING_UNIT = re.compile(r"^(.*?[^\s_/,;])(?:\s*[/,;]\s+|[\s_]+in\s+|[\s_]+)([^\s_]+)$")
 NUMBER_WORD = re.compile(
     r"(?<![^\W\d_])(?:no|nos|nr|num|number|n[º°o]|n|nummer|numero|número|numéro|id|#)\.?(?![^\W\d_])",
@@ -64,7 +65,8 @@ def _by_name(spelt: Sequence[tuple[str, str]], fields: Sequence[Field]) -> Readi
     for words, unit in spelt:
         word = folded(words)
         for field in fields:
-            if word in field.headings and unit_fits(unit, field.unit):
+            known = field.headings | field.with_unit if unit else field.headings
+            if word in known and unit_fits(unit, field.unit):
                 return Reading(field, unit)
     for words, unit in spelt:
         for key, chosen in ((key_of(words), fields), (_counting(words), counted)):
