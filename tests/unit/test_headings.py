@@ -84,8 +84,8 @@ HEADINGS = {
         [kg/m] | 单位质量 | Weight (lb/ft)
     """,
 }
-"""Headings in English, German, French, Spanish, Italian, Norwegian, Swedish and Chinese, by the kind
-of table and the column. From memory of the trade, not from the lists that are tested."""
+"""Headings in English, German, French, Spanish, Italian, Norwegian, Swedish and Chinese, by the
+kind of table and the column. From memory of the trade, not from the lists that are tested."""
 
 
 @pytest.mark.parametrize(("kind", "column"), HEADINGS)
