@@ -21,6 +21,7 @@ from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks, misplaced
 from tautwire.line.fittings import with_fittings
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.line.measures import SAME_PLACE
 from tautwire.line.pieces import (
     At,
     End,
@@ -212,8 +213,8 @@ class _Expansion:
         self, one: Droppers, s: float, values: tuple[float, float], upper: str
     ) -> Iterator[Hanger]:
         """Yield a hanger, unless it would hold a contact wire that is raised."""
-        low, high = self.plan.droppers
-        if self.wires[one.lower].role == "contact" and not low <= s <= high:
+        low, high = self.plan.droppers.get(one.lower, (s, s))
+        if not low - SAME_PLACE <= s <= high + SAME_PLACE:
             return
         given: GivenHeight | GivenLength
         if one.mode == "height":

@@ -50,7 +50,7 @@ def run_view(run: Run, statistics: RunStatistics, checks: Sequence[Check]) -> li
         heading("Passage", _uplift(run, statistics)),
         *(_passage_table(run, some) for some in batched(statistics.pantographs, MOST_COLUMNS)),
         *_losses(statistics),
-        heading("Limits", "unverified: nobody compared the limit with the standard's text"),
+        heading("Limits", "not checked: nobody compared the limit with the standard's text"),
         _check_table(checks, many=len(run.pantographs) > 1),
         *(f"{check.name}: {check.explanation}" for check in checks if check.explanation),
     ]
@@ -188,10 +188,10 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
                 f"{sign} {readable(check.limit, check.unit)}",
                 check.standard,
                 found,
-                check.verdict,
+                "checked" if check.verified else "not checked",
             )
         )
-    heads = ("", "value", "limit", "standard", "value is", "verdict")
+    heads = ("", "value", "limit", "standard", "value is", "limit is")
     return table(heads, "Lrrlll", rows)
 
 

@@ -17,11 +17,14 @@ T = TypeVar("T")
 
 STYLES = {
     "inside": "green",
-    "passed": "green",
+    "within": "green",
+    "met": "green",
     "done": "green",
-    "unverified": "yellow",
+    "not checked": "yellow",
     "partial": "yellow",
     "outside": "red",
+    "not within": "bold red",
+    "missed": "bold red",
     "failed": "bold red",
 }
 
@@ -48,7 +51,7 @@ def table(heads: Sequence[str], align: str, rows: Iterable[Sequence[str]]) -> Ta
         One letter per column: ``l``, ``r``, or ``L`` for a column that gives way when the
         terminal is narrow.
     rows : iterable of sequence of str
-        A word with a meaning of its own (``inside``, ``unverified`` ...) is coloured.
+        A word with a meaning of its own (``inside``, ``within`` ...) is coloured.
     """
     result = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(heads))
     cells = [tuple(row) for row in rows]

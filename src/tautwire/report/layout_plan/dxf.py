@@ -77,9 +77,27 @@ def dxf_of(drawing: Drawing, scale: int) -> str:
         _text(space, label, metre)
     with io.StringIO() as out:
         document.write(out)
-        lines = out.getvalue().split("\n")
-    lines[::2] = map(str.strip, lines[::2])  # group codes: a tenth of the file is their padding
-    return "\n".join(lines)
+        return _terse(out.getvalue())
+
+
+def _terse(text: str) -> str:
+    """Return a DXF without what readers take for granted, a quarter of the file.
+
+    The padding of group codes, and of the entities the height 0 of points, the decimals of whole
+    numbers and that they belong to the model space.
+    """
+    lines = text.split("\n")
+    codes, values = [code.strip() for code in lines[::2]], lines[1::2]
+    pairs = list(zip(codes, values, strict=False))
+    begin = pairs.index(("2", "ENTITIES"))
+    end = pairs.index(("0", "ENDSEC"), begin)
+    entities = [
+        (code, value.removesuffix(".0") if len(code) == 2 and code[0] in "1245" else value)
+        for code, value in pairs[begin:end]
+        if code != "330" and (code, value) not in (("30", "0.0"), ("31", "0.0"))
+    ]
+    told = [*pairs[:begin], *entities, *pairs[end:]]
+    return "\n".join(f"{code}\n{value}" for code, value in told) + "\n"
 
 
 def _text(space: Modelspace, label: Label, metre: float) -> None:

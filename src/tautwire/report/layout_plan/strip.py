@@ -236,9 +236,10 @@ class Strip:
     def _dropper_texts(
         self, droppers: Sequence[PlanDropper], span: tuple[float, float], zone: Zone
     ) -> None:
-        """Write the texts of a row and a span, all led to by one line along the zone's edge.
+        """Write the texts of a row and a span, and lead to those not below their dropper.
 
-        One line for all, because a line of its own for each would be a quarter of a DXF file.
+        One line along the zone's edge leads to all of them, because a line of its own for each
+        would be a quarter of a DXF file.
         """
         low, high = self.x(span[0]) + PITCH, self.x(span[1]) - 0.5 * PITCH
         top, leader = zone.top, []
@@ -246,9 +247,10 @@ class Strip:
         for dropper, place in zip(droppers, places.tolist(), strict=True):
             self._text(dropper.text, place, zone.bottom + 0.5 * CLEAR, is_upright=True)
             x, end = self.x(dropper.s), (place - 0.5 * SMALL, top - FAN + 0.5 * CLEAR)
-            knee = [(x, top - 1.0)] if abs(end[0] - x) > TOLERANCE else []
-            leader += [(x, top), *knee, end, *knee, (x, top)]
-        self.drawing.stroke("DROPPERS", leader)
+            if abs(end[0] - x) > TOLERANCE:
+                leader += [(x, top), (x, top - 1.0), end, (x, top - 1.0), (x, top)]
+        if leader:
+            self.drawing.stroke("DROPPERS", leader)
 
     # ---- tension lengths -------------------------------------------------------------------------
 

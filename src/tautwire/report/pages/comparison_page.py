@@ -15,6 +15,7 @@ from tautwire.report.pages.measured_page import reading_blocks
 from tautwire.report.parts.blocks import Callout, Section, Table, Text, Verdict
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
+    UNCHECKED,
     coverage_rows,
     number_row,
     outcome_of,
@@ -109,7 +110,7 @@ def _cell(verdict: str) -> Verdict | str:
     outcomes = {"met": "passed", "missed": "failed"}
     if not verdict or verdict == "not judged":
         return verdict
-    words = verdict.replace("unverified", "tolerance not checked against the standard")
+    words = verdict.replace(UNCHECKED, f"{UNCHECKED} against the standard")
     return Verdict(words, outcomes.get(verdict, "unverified"))
 
 

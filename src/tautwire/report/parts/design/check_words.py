@@ -22,7 +22,7 @@ def check_rows(checks: Sequence[DesignCheck]) -> list[tuple[str, ...]]:
             _number(one.value, one),
             _number(one.estimate, one),
             _limit(one),
-            {None: "", True: "inside", False: "outside"}[one.within],
+            {None: "", True: "within", False: "not within"}[one.within],
         )
         for one in checks
     ]

@@ -109,7 +109,7 @@ def clearance_rows(masts: Masts) -> list[tuple[str, ...]]:
                 f"{one.x:.1f}",
                 f"{1e3 * one.left_over:.0f}",
                 f"{1e3 * one.required:.0f}",
-                "inside" if one.is_kept else "outside",
+                "within" if one.is_kept else "not within",
             )
         )
     return rows

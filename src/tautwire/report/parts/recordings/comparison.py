@@ -16,6 +16,8 @@ _NAMES = {
     "uplift": "uplift",
     "contact_height_range": "height range",
 }
+UNCHECKED = "tolerance not checked"
+"""Said beside a tolerance that nobody compared with the text of its standard."""
 HEADS = ("", "simulated", "measured", "difference", "allowed", "verdict")
 """Heading of the table of numbers."""
 
@@ -43,7 +45,7 @@ def verdict_of(row: MeasurementRow) -> str:
     if row.within is None:
         return "not judged" if row.note.startswith("not judged") else ""
     if row.passed is None:  # the tolerance was not compared with the standard's text
-        return f"{'met' if row.within else 'missed'}, unverified"
+        return f"{'met' if row.within else 'missed'}, {UNCHECKED}"
     return "met" if row.within else "missed"
 
 
