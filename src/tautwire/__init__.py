@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.survey.as_built import as_built
     from tautwire.analyses.survey.rank import rank, rank_lines
     from tautwire.analyses.vibration.modes import modes
-    from tautwire.assessment.measurement import compare_with_measurement
+    from tautwire.assessment.comparison.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.book.case_book import write_workbook
     from tautwire.inputs.load import load_case
@@ -121,7 +121,7 @@ _HOMES = {
     "as_built": "tautwire.analyses.survey.as_built",
     "build": "tautwire.model.build",
     "compare_losses": "tautwire.analyses.force.loss_comparison",
-    "compare_with_measurement": "tautwire.assessment.measurement",
+    "compare_with_measurement": "tautwire.assessment.comparison.measurement",
     "contact_loss": "tautwire.analyses.force.contact_loss",
     "contact_statistics": "tautwire.analyses.force.statistics",
     "elasticity": "tautwire.analyses.road.elasticity",
