@@ -12,7 +12,7 @@ from tautwire.analyses.design.workshop import WorkshopSheet
 from tautwire.assessment.design.checks import DesignCheck
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.report.figures import line_figures
-from tautwire.report.figures.elasticity_figures import elasticity_figure
+from tautwire.report.figures.design_figures import elasticity_figure
 from tautwire.report.parts.blocks import Callout, Details, Key, Keys, Section, Table, Text
 from tautwire.report.parts.conditions import input_blocks
 from tautwire.report.parts.design.sections import (

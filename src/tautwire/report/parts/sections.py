@@ -10,7 +10,7 @@ import numpy as np
 from tautwire.analyses.force.statistics import uniform_shares
 from tautwire.report.drawing import Drawing
 from tautwire.report.figures import animation, force_figures, line_figures
-from tautwire.report.figures.elasticity_figures import elasticity_figure
+from tautwire.report.figures.design_figures import elasticity_figure
 from tautwire.report.figures.loss_figures import irregularity_figure
 from tautwire.report.parts import published
 from tautwire.report.parts.blocks import (
