@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.survey.as_built import as_built
-    from tautwire.analyses.survey.rank import rank
+    from tautwire.analyses.survey.rank import rank, rank_lines
     from tautwire.analyses.vibration.modes import modes
-    from tautwire.assessment.measurement import compare_with_measurement
+    from tautwire.assessment.comparison.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.book.case_book import write_workbook
     from tautwire.inputs.load import load_case
@@ -90,6 +90,7 @@ __all__ = [
     "modes",
     "operate",
     "rank",
+    "rank_lines",
     "run",
     "run_study",
     "save_equilibrium",
@@ -118,7 +119,7 @@ _HOMES = {
     "as_built": "tautwire.analyses.survey.as_built",
     "build": "tautwire.model.build",
     "compare_losses": "tautwire.analyses.force.loss_comparison",
-    "compare_with_measurement": "tautwire.assessment.measurement",
+    "compare_with_measurement": "tautwire.assessment.comparison.measurement",
     "contact_loss": "tautwire.analyses.force.contact_loss",
     "contact_statistics": "tautwire.analyses.force.statistics",
     "elasticity": "tautwire.analyses.road.elasticity",
@@ -134,6 +135,7 @@ _HOMES = {
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
     "rank": "tautwire.analyses.survey.rank",
+    "rank_lines": "tautwire.analyses.survey.rank",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -165,3 +165,18 @@ def test_accuracy(root: Path) -> None:
         assert float(largest) <= 0.5
         assert losses == with_full_newton
     assert int(rows[-1][-1]) >= 5
+
+
+@pytest.mark.slow
+@needs_core
+def test_ten_kilometres(root: Path) -> None:
+    """Two tension lengths instead of nine: set-up and cost are told, and what memory it took."""
+    text = output(root, "ten_kilometres.py", "--lengths", "2", "--seconds", "1")
+    first, _, setup, cost, memory, _ = text.splitlines()
+    assert "2.37 km" in first
+    assert "1.0 s of the passage" in first
+    assert 0.0 < float(setup.split()[1]) < 20.0
+    least, median = (float(part.split()[-1]) for part in cost.split(","))
+    assert 0.0 < least <= median
+    shape, passage, file = (float(part.split()[-1]) for part in memory.split(","))
+    assert 50.0 < shape <= passage <= file < 2000.0

@@ -373,6 +373,24 @@ def test_raised_wires_leave_the_running_height() -> None:
     assert 220.0 - way - 5.75 < last <= 220.0 - way
 
 
+@pytest.mark.parametrize("rise", [None, 0.25, 0.3, 0.35, 0.4, 0.45, 0.6, 0.8])
+def test_raised_wires_keep_the_droppers_that_pull(rise: float | None) -> None:
+    """Whatever the rise, 0.5 m if none is given, the last droppers of a raised wire pull."""
+    data = LINES["overlap"]()
+    data["overlaps"] = [{"kind": "three-span"} | ({} if rise is None else {"rise": rise})]
+    model = build(Case.model_validate(data))
+    shape = find_shape(model)
+    running, raised = (model.line.masts[mast] for mast in (3, 4))
+    hangers = [
+        (h.lower.s, force)
+        for h, force in zip(model.line.hangers, shape.dropper_forces, strict=True)
+        if h.lower.run == "T1 contact"
+    ]
+    assert min(force for _, force in hangers) > 0.0
+    kept = sum(running < s < raised for s, _ in hangers)
+    assert kept >= (0 if rise == 0.8 else 1)
+
+
 def test_head_on_two_half_wires_lifts_them_as_one() -> None:
     """Under a rigid head two half wires have the elasticity of the whole wire, to 1e-9."""
     values = []

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from tautwire.line.closures import Closure, GivenArm, Height, Lift, Spring
 from tautwire.line.defects import marks, misplaced
 from tautwire.line.fittings import with_fittings
 from tautwire.line.labels import HangerLabel, MastLabel
+from tautwire.line.measures import SAME_PLACE
 from tautwire.line.pieces import (
     At,
     End,
@@ -46,6 +48,11 @@ Values = tuple[float, ...]
 Array = NDArray[np.float64]
 
 
+_KNOWN: dict[int, Line] = {}
+"""Lines by the identity of their cases, as long as these live: model, checks and statistics of a
+run read the same line seven times."""
+
+
 def expand(case: Case) -> Line:
     """Return the pieces of the line that a case describes.
 
@@ -61,6 +68,14 @@ def expand(case: Case) -> Line:
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
+    line = _KNOWN.get(id(case))
+    if line is None:
+        line = _KNOWN[id(case)] = _expanded(case)
+        finalize(case, _KNOWN.pop, id(case), None)
+    return line
+
+
+def _expanded(case: Case) -> Line:
     track = alignment(case.track, case.line)
     whole = plans(case, track)
     parts = [_Expansion(case, plan) for plan in whole]
@@ -212,8 +227,8 @@ class _Expansion:
         self, one: Droppers, s: float, values: tuple[float, float], upper: str
     ) -> Iterator[Hanger]:
         """Yield a hanger, unless it would hold a contact wire that is raised."""
-        low, high = self.plan.droppers
-        if self.wires[one.lower].role == "contact" and not low <= s <= high:
+        low, high = self.plan.droppers.get(one.lower, (s, s))
+        if not low - SAME_PLACE <= s <= high + SAME_PLACE:
             return
         given: GivenHeight | GivenLength
         if one.mode == "height":

@@ -99,7 +99,7 @@ def build(case: Case) -> Model:
     problem = FormProblem(
         system=system,
         held=_held(line, mesh),
-        cable_slot=6 * system.cables.nodes[:, 1],
+        cable_slot=_cable_slots(mesh),
         tie_slot=_hanger_slots(line, mesh),
         gravity=gravity,
         taut=np.ones(len(line.hangers), dtype=bool),
@@ -231,8 +231,9 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
     load[:, 2] -= lumped * gravity
     along = mesh.frames.axes[:, 0]
     for strand in mesh.strands:
-        end = strand.nodes[-1]
-        load[end, :3] += strand.run.wire.tension * strand.leads[1] * along[end]
+        for node, side in strand.pulled_ends:
+            outward = along[node] if side else -along[node]
+            load[node, :3] += strand.run.wire.tension * strand.leads[side] * outward
     for joint in line.joints:
         run = line.by_name[joint.other.run]
         if joint.other.s == run.end.s:
@@ -244,11 +245,24 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
     return load.ravel()
 
 
+def _cable_slots(mesh: Mesh) -> NDArray[np.int64]:
+    """Return which coordinate along the track every element's unstrained length replaces.
+
+    That of its node away from where its wire is held.
+    """
+    slots = [
+        np.where(np.arange(len(strand.cables)) < strand.held, strand.nodes[:-1], strand.nodes[1:])
+        for strand in mesh.strands
+    ]
+    return 6 * np.concatenate(slots)
+
+
 def _held(line: Line, mesh: Mesh) -> NDArray[np.bool_]:
     """Return the degrees of freedom held while the shape is sought."""
     held = np.zeros((mesh.node_count, 6), dtype=bool)
     for strand in mesh.strands:
-        held[strand.nodes[0], :3] = strand.run.start.kind != "clamped"
+        held[strand.nodes[strand.held], 0] = strand.run.start.kind != "clamped"
+        held[strand.nodes[0], 1:3] = strand.run.start.kind != "clamped"
         held[strand.nodes[-1], 1:3] = strand.run.end.kind != "clamped"
     held[mesh.nodes(piece.at for piece in line.suspensions), 1:3] = True
     for group in groups(line, mesh):

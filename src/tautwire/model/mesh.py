@@ -36,6 +36,9 @@ class Strand:
     leads : (float, float)
         Share of its tension that acts along the track at its left and its right end: in a curve it
         comes from the neighbouring support along a chord.
+    held : int
+        Which of its nodes is held along the track while the shape is sought. Its tension is given
+        at the ends that are not.
     """
 
     run: Run
@@ -43,6 +46,13 @@ class Strand:
     nodes: Index
     cables: Index
     leads: tuple[float, float]
+    held: int
+
+    @property
+    def pulled_ends(self) -> tuple[tuple[int, int], ...]:
+        """Node of every end whose tension is given, and 0 at the left, 1 at the right end."""
+        ends = (0, self.nodes[0]), (len(self.s) - 1, self.nodes[-1])
+        return tuple((int(n), side) for side, (row, n) in enumerate(ends) if row != self.held)
 
     def position(self, s: float) -> int:
         """Return which of its nodes lies at a place where something is attached [m]."""
@@ -185,7 +195,8 @@ def divide(line: Line, settings: Settings, speed: float) -> Mesh:
     for run, own in zip(line.runs, places[:-1], strict=True):
         nodes = number[first_node : first_node + len(own)]
         cables = np.arange(first_cable, first_cable + len(own) - 1)
-        strands.append(Strand(run, own, nodes, cables, _leads(line, run)))
+        held = int(np.argmin(np.abs(own - _held_at(line, run))))
+        strands.append(Strand(run, own, nodes, cables, _leads(line, run), held))
         first_node, first_cable = first_node + len(own), first_cable + len(own) - 1
     heels = np.full(len(line.registrations), -1)
     heels[elastic] = number[first_node:]
@@ -204,6 +215,22 @@ def _division(line: Line, run: Run, settings: Settings, speed: float) -> Divisio
         return Division(elements, given or longest_hung_interval(line) / elements, graded)
     longest = longest_element(run, settings.band, speed)
     return Division(1, longest if given is None else min(given, longest), graded)
+
+
+def _held_at(line: Line, run: Run) -> float:
+    """Return the place at which a run is held along the track: an anchor or its fixed point.
+
+    Between two anchors its tension is given at the right one. With weights at both ends it is held
+    in the middle of the supports that hold it; without any, at its left end, whose weight is then
+    what the other end leaves.
+    """
+    if run.start.kind != "weighted":
+        return run.start.s
+    if run.end.kind == "anchored":
+        return run.end.s
+    pieces = (*line.registrations, *line.suspensions)
+    fixed = sorted(p.at.s for p in pieces if p.at.run == run.name and p.is_fixed_along)
+    return fixed[len(fixed) // 2] if fixed else run.start.s
 
 
 def _leads(line: Line, run: Run) -> tuple[float, float]:

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.errors import ModelError
+from tautwire.line.closures import Held
 from tautwire.line.labels import named_arms, place
+from tautwire.line.pieces import GivenHeight, Hanger
 from tautwire.model.build import Model
 from tautwire.model.mesh import Strand
 from tautwire.numerics.elements import ancf
@@ -21,6 +23,102 @@ Array = NDArray[Any]
 SLACK = 0.1
 """Share of its tension below which a wire is called slack: it sags ten times as much as it
 should."""
+
+_BESIDE = 2
+"""Spans from a raised support within which its rise may lift a wire off its droppers."""
+_SMALLEST_PULL = 10.0
+"""Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
+over 1.22 m)."""
+
+
+def refuse_pushing_droppers(model: Model, forces: Array) -> None:
+    """Raise when a prescribed height asks a dropper to push.
+
+    Parameters
+    ----------
+    model
+    forces : (n_dropper,) N
+
+    Raises
+    ------
+    ModelError
+        With every dropper.
+    """
+    errors = 1e3 * model.irregularities.dropper_height
+    hangers = model.line.hangers
+    faults = [
+        f"{place(hangers[i].label, hangers[i].lower.s)}, would have to push ({forces[i]:.1f} N); "
+        f"{_cure_of_pushing(model, hangers[i])}"
+        for i in np.flatnonzero(forces < 0.0)
+        if isinstance(hangers[i].given, GivenHeight)
+    ]
+    if errors.any():
+        faults = [
+            f"{fault}; the drawn errors of height are {errors.min():.1f} to {errors.max():.1f} mm: "
+            "make irregularities.installation smaller, give errors of length, or draw with another "
+            "settings.seed"
+            for fault in faults
+        ]
+    if faults:
+        raise ModelError("\n".join(faults))
+
+
+def _cure_of_pushing(model: Model, hanger: Hanger) -> str:
+    """Tell what makes a dropper pull that would have to push."""
+    line, lower = model.line, hanger.lower
+    held = {piece.at for piece in line.registrations}
+    raised = [
+        one.lower.s for one in line.hangers if one.lower in held and one.lower.run == lower.run
+    ]
+    if lower.s in raised:
+        return (
+            "from this support on the wire rises too steeply to its anchor: lower "
+            "overlaps.anchor_rise, or raise overlaps.rise"
+        )
+    assert isinstance(hanger.given, GivenHeight)
+    cure = (
+        f"raise the contact wire there (droppers.presag, now {1e3 * hanger.given.drop:.1f} mm; a "
+        "few millimetres less are usually enough) or use length mode"
+    )
+    masts = np.array(line.masts)
+    apart = [abs(np.searchsorted(masts, s) - np.searchsorted(masts, lower.s)) for s in raised]
+    return f"lower overlaps.rise, or {cure}" if apart and min(apart) <= _BESIDE else cure
+
+
+def refuse_bad_arms(model: Model, held: Held) -> None:
+    """Raise when a steady arm would push or has nothing to hold.
+
+    Parameters
+    ----------
+    model
+    held
+        What holds the contact wires in the found shape.
+
+    Raises
+    ------
+    ModelError
+        With every arm.
+    """
+    faults: list[tuple[str, str]] = []
+    wires = {piece.at.run for piece in model.line.registrations}
+    for i in np.flatnonzero(~np.isnan(held.force)):
+        piece, force = model.line.registrations[i], float(held.force[i])
+        lateral = abs(force * np.cos(held.angle[i]))
+        if force > 0.0 and lateral >= _SMALLEST_PULL:
+            continue
+        what = (
+            f"would have to push ({force:.1f} N)"
+            if force < 0.0
+            else f"pulls sideways with only {lateral:.1f} N"
+        )
+        wire = f" (of the wire {piece.at.run!r})" if len(wires) > 1 else ""
+        faults.append((f"{place(piece.label, piece.at.s)}{wire}", what))
+    if faults:
+        raise ModelError(
+            f"{named_arms(faults)}; give the contact wire more stagger there "
+            "(supports.contact_stagger), put the arm's far end on the other side, or use closure "
+            "'spring'"
+        )
 
 
 def refuse_impossible(model: Model, shape: Equilibrium) -> None:

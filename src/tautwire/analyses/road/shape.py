@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.road.faults import refuse_bad_arms, refuse_pushing_droppers
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
-from tautwire.errors import ConvergenceError, ModelError
+from tautwire.errors import ConvergenceError
 from tautwire.line.closures import Held
-from tautwire.line.labels import named_arms, place
-from tautwire.line.pieces import GivenHeight, GivenLength
+from tautwire.line.pieces import GivenLength
 from tautwire.model.build import Model
 from tautwire.model.mesh import Mesh
 from tautwire.model.registrations import held_registrations
@@ -28,9 +28,6 @@ RESIDUAL = 1e-4
 leaves some 1e-8 N, where the rounding of EA times strain begins."""
 _RIGID_DROPPER = 1e8
 """Stiffness of droppers that hardly stretch [N/m]: 100 N stretch one by a micrometre."""
-_SMALLEST_PULL = 10.0
-"""Sideways force below which an arm hangs instead of pulling [N]: about its own weight (0.73 kg/m
-over 1.22 m)."""
 _ACTIVE_SET_PASSES = 40
 """Most passes in search of the slack droppers; each changes at least one, few are slack at rest."""
 _JOINT_PASSES = 8
@@ -123,7 +120,7 @@ def solve_design(model: Model) -> tuple[Form, int]:
     if not given:
         form = _converged(problem)
         spent = form.newton.iterations
-        _refuse_pushing_droppers(model, _dropper_forces(form))
+        refuse_pushing_droppers(model, _dropper_forces(form))
         if not np.any(model.irregularities.dropper_length):
             return form, spent
         lengths = form.system.ties.length + model.irregularities.dropper_length
@@ -131,7 +128,7 @@ def solve_design(model: Model) -> tuple[Form, int]:
     elif any(length.is_stretched for length in given):
         problem, spent = _with_unstrained_lengths(problem)
     problem, form, more = with_slack(problem)
-    _refuse_pushing_droppers(model, np.where(problem.tie_slot < 0, 0.0, _dropper_forces(form)))
+    refuse_pushing_droppers(model, np.where(problem.tie_slot < 0, 0.0, _dropper_forces(form)))
     return form, spent + more
 
 
@@ -235,34 +232,11 @@ def _dropper_forces(form: Form) -> Array:
     return system.ties.stiffness * (length - system.ties.length)
 
 
-def _refuse_pushing_droppers(model: Model, forces: Array) -> None:
-    """Raise when a prescribed height asks a dropper to push."""
-    errors = 1e3 * model.irregularities.dropper_height
-    faults = []
-    for i in np.flatnonzero(forces < 0.0):
-        hanger = model.line.hangers[i]
-        if isinstance(hanger.given, GivenHeight):
-            faults.append(
-                f"{place(hanger.label, hanger.lower.s)}, would have to push ({forces[i]:.1f} N); "
-                f"raise the contact wire there (droppers.presag, now {1e3 * hanger.given.drop:.1f} "
-                "mm; a few millimetres less are usually enough) or use length mode"
-            )
-    if errors.any():
-        faults = [
-            f"{fault}; the drawn errors of height are {errors.min():.1f} to {errors.max():.1f} mm: "
-            "make irregularities.installation smaller, give errors of length, or draw with another "
-            "settings.seed"
-            for fault in faults
-        ]
-    if faults:
-        raise ModelError("\n".join(faults))
-
-
 def _equilibrium(model: Model, form: Form, iterations: int) -> Equilibrium:
     """Read lengths, forces and support data from a found form."""
     mesh, line, system = model.mesh, model.line, form.system
     held = held_registrations(line, mesh, system.position, form.reactions, model.case.line.gravity)
-    _refuse_bad_arms(model, held)
+    refuse_bad_arms(model, held)
     return Equilibrium(
         track=line.track,
         position=_with_heels(mesh, system.position, held),
@@ -358,8 +332,10 @@ def _end_pulls(mesh: Mesh, form: Form) -> Array:
     pulls = np.zeros((2, len(mesh.strands)))
     for number, strand in enumerate(mesh.strands):
         if strand.run.start.kind != "clamped":
-            pull = strand.run.wire.tension * strand.leads[1]
-            pulls[:, number] = form.reactions[6 * strand.nodes[0]], pull
+            pulls[:, number] = form.reactions[6 * strand.nodes[[0, -1]]]
+            for _, side in strand.pulled_ends:
+                pull = strand.run.wire.tension * strand.leads[side]
+                pulls[side, number] = pull if side else -pull
     return pulls
 
 
@@ -376,28 +352,6 @@ def _joint_pulls(model: Model, form: Form) -> Array:
         is_start = joint.other.s == run.start.s
         pulls[number, 0] = next(sought) if is_start else -run.wire.tension
     return frames.turned(pulls)
-
-
-def _refuse_bad_arms(model: Model, held: Held) -> None:
-    """Raise when a steady arm would push or has nothing to hold."""
-    faults: list[tuple[str, str]] = []
-    for i in np.flatnonzero(~np.isnan(held.force)):
-        piece, force = model.line.registrations[i], float(held.force[i])
-        lateral = abs(force * np.cos(held.angle[i]))
-        if force > 0.0 and lateral >= _SMALLEST_PULL:
-            continue
-        what = (
-            f"would have to push ({force:.1f} N)"
-            if force < 0.0
-            else f"pulls sideways with only {lateral:.1f} N"
-        )
-        faults.append((place(piece.label, piece.at.s), what))
-    if faults:
-        raise ModelError(
-            f"{named_arms(faults)}; give the contact wire more stagger there "
-            "(supports.contact_stagger), put the arm's far end on the other side, or use closure "
-            "'spring'"
-        )
 
 
 def _weight(model: Model, form: Form) -> float:
@@ -425,11 +379,15 @@ def _vertical_reaction(model: Model, form: Form, held: Held) -> float:
     vertical = mesh.frames.turned(form.reactions.reshape(-1, 6)[:, :3])[:, 2]
     whole = [strand for strand in mesh.strands if strand.run.start.kind != "clamped"]
     total = float(vertical[np.concatenate([strand.nodes[[0, -1]] for strand in whole])].sum())
-    tensions = np.array([strand.run.wire.tension * strand.leads[1] for strand in whole])
-    total += float(tensions @ mesh.frames.axes[[strand.nodes[-1] for strand in whole], 0, 2])
+    pulls = _end_pulls(mesh, form)
+    for number, strand in enumerate(mesh.strands):
+        for node, side in strand.pulled_ends:
+            total += float(pulls[side, number] * mesh.frames.axes[node, 0, 2])
     total += float(vertical[mesh.nodes(piece.at for piece in line.suspensions)].sum())
-    frames = mesh.frames[mesh.nodes(piece.at for piece in line.registrations)]
+    nodes = mesh.nodes(piece.at for piece in line.registrations)
+    frames, along = mesh.frames[nodes], form.reactions[6 * nodes] * np.isfinite(held.force)
     total += float(np.nansum(frames.turned(_pulls(model, form, held))[:, 2]))
+    total += float(along @ frames.axes[:, 0, 2])  # what holds arms at a fixed point
     weights = np.array([piece.kind.carried_weight(gravity) for piece in line.registrations])
     stays = form.system.stays.chosen(
         np.arange(len(form.system.stays)) >= len(form.system.stays) - len(line.stays)

@@ -30,7 +30,9 @@ Array = NDArray[Any]
 
 QUADRATURE_POINTS = 5
 """Gauss points of an element: exact to degree 9; eps^2 has degree 8, and kappa^2, which is
-rational, is near to degree 2 in a taut wire."""
+rational, is near to degree 2 in a taut wire. With three points for kappa^2 the contact force of AC
+simple with nine nodes between droppers changes by 0.0003 N rms and the time by nothing, with two by
+0.003 N (AC simple as plane models see it: 0.005 N) and a sweep takes 0.94 of its time."""
 _POINTS, _WEIGHTS = gauss_unit(QUADRATURE_POINTS)
 _FIRST, _SECOND = derivative_tables(_POINTS)
 _BOTH = np.concatenate([_FIRST, _SECOND])
