@@ -348,9 +348,10 @@ def _joint_pulls(model: Model, form: Form) -> Array:
     pulls = frames.components(form.system.clamps.pull(form.system.position))
     sought = iter(form.joint_pulls)
     for number, joint in enumerate(model.line.joints):
-        run = model.line.by_name[joint.other.run]
-        is_start = joint.other.s == run.start.s
-        pulls[number, 0] = next(sought) if is_start else -run.wire.tension
+        strand = model.mesh.strand(joint.other.run)
+        is_start = joint.other.s == strand.run.start.s
+        pull = strand.run.wire.tension * strand.leads[1]
+        pulls[number, 0] = next(sought) if is_start else -pull
     return frames.turned(pulls)
 
 
