@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.survey.as_built import as_built
-    from tautwire.analyses.survey.rank import rank
+    from tautwire.analyses.survey.rank import rank, rank_lines
     from tautwire.analyses.vibration.modes import modes
     from tautwire.assessment.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
@@ -90,6 +90,7 @@ __all__ = [
     "modes",
     "operate",
     "rank",
+    "rank_lines",
     "run",
     "run_study",
     "save_equilibrium",
@@ -134,6 +135,7 @@ _HOMES = {
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
     "rank": "tautwire.analyses.survey.rank",
+    "rank_lines": "tautwire.analyses.survey.rank",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

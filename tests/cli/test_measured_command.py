@@ -47,6 +47,29 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
     assert again.document["mapping"]["F_1_2 [N]"]["sensor"] == 2
 
 
+def test_hard_spots_are_events(invoke: Invoke, tmp_path: Path) -> None:
+    """A blow on an accelerometer is an event on the terminal, in JSON and on the page, beside how
+    it was looked for; with a limit above it there is none. No force is needed."""
+    place = np.arange(0.0, 1000.0, 0.1)
+    rng = np.random.default_rng(4)
+    acceleration = rng.normal(0.0, 5.0, len(place))
+    acceleration[4000:4008] += 200.0
+    rows = [f"{x:.2f},{a:.3f},200" for x, a in zip(place, acceleration, strict=True)]
+    path = tmp_path / "blow.csv"
+    path.write_text("\n".join(["position [m],AccZ_1_1 [m/s^2],speed [km/h]", *rows]))
+    shown = invoke("measured", path, "--out", "out")
+    assert shown.code == 0, shown.err
+    assert "hard spot" in shown.out
+    page = (tmp_path / "out" / "measured.html").read_text(encoding="utf-8")
+    assert "hard spots by the step of that name" in page
+    (event,) = invoke("measured", path, "--json").document["events"]
+    assert (event["kind"], event["unit"]) == ("hard spot", "m/s^2")
+    assert abs(event["position"] - 400.4) < 0.5
+    told = invoke("measured", path, "--hard", "490 m/s2", "--json").document
+    assert told["events"] == []
+    assert told["steps"][-1]["source"] == "given"
+
+
 def test_refusals_have_a_cure(invoke: Invoke, tmp_path: Path) -> None:
     """Without speed and time the option is named, and giving it helps."""
     path = tmp_path / "bare.csv"

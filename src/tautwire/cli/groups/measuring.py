@@ -82,6 +82,16 @@ def measured(
             show_default=False,
         ),
     ] = None,
+    hard: Annotated[
+        str | None,
+        typer.Option(
+            "--hard",
+            metavar="ACCELERATION",
+            help="Acceleration of the head above which a hard spot is listed, as in '490 m/s2'; "
+            "seven times what is usual in the run by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -101,7 +111,7 @@ def measured(
         from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
-            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
+            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high, hard
         )
         show_recording(answer, request, out)
 
@@ -220,16 +230,28 @@ def as_built(
 
 
 def rank(
-    case: CaseArgument,
-    built: Annotated[
-        str,
-        typer.Argument(metavar="BUILT", help="The line as built, as 'as-built' writes it."),
+    cases: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="CASE BUILT...",
+            help="The design, and the line as built, as 'as-built' writes it; of several tension "
+            "lengths one pair after the other.",
+            show_default=False,
+        ),
     ],
     set_: SetOption = None,
     least: Annotated[
         str | None,
         typer.Option(
             "--least", metavar="LENGTH", help="Least deviation that is looked at, 3 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    first: Annotated[
+        int | None,
+        typer.Option(
+            "--first", metavar="N",
+            help="Corrections for the crew, 10 by default; what they gain together is computed.",
             show_default=False,
         ),
     ] = None,
@@ -251,8 +273,11 @@ def rank(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Rank corrections of a line as built by what they do to the contact force."""
+    """Rank corrections of a line as built by what they do to the contact force.
+
+    Several tension lengths make one list.
+    """
     with answering(as_json) as answer:
         from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
-        show_ranking(answer, RankRequest(case, built, set_ or [], least, workers), out)
+        show_ranking(answer, RankRequest(cases, set_ or [], least, first, workers), out)
