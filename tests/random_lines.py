@@ -27,11 +27,11 @@ def random_line(seed: int) -> Data:
         "scenario": {"speed": chance.uniform(20.0, 60.0), "uplift_force": 110.0},
         "settings": {
             "nodes_between_droppers": chance.randint(4, 5),
-            "section": [3, len(spans) - 2],
+            "section": [3, len(spans) - 4],
             "time_step": 2e-3,
         },
     }
-    case |= along(chance, spans, case["wires"]["contact"])
+    case |= along(chance, kind, spans, case["wires"]["contact"])
     stagger = track(chance, spans, case)
     case["supports"] = supports(chance, kind, stagger)
     case |= extras(chance, kind, spans)
@@ -129,7 +129,7 @@ def pantographs(chance: random.Random) -> list[Data]:
     return found
 
 
-def along(chance: random.Random, spans: list[float], contact: Data) -> Data:
+def along(chance: random.Random, kind: str, spans: list[float], contact: Data) -> Data:
     """Return ends, or two tension lengths with an overlap whose wires can rise within a span."""
     masts = len(spans) + 1
     most = 0.7 * min(spans) ** 2 * 9.81 * contact["mass"] / (2.0 * contact["tension"])
@@ -138,6 +138,7 @@ def along(chance: random.Random, spans: list[float], contact: Data) -> Data:
         fixed = {"name": "T1", "masts": [1, masts], "ends": "weighted", "fixed_point": masts // 2}
         return {"tension_lengths": [fixed]} if chance.random() < 0.3 else _ended(ends, spans)
     shared, rise = chance.randint(3, 5), min(most, chance.uniform(0.2, 0.5))
+    rise = min(rise, 0.25) if kind == "compound" else rise  # below the auxiliary wire
     last = (masts + shared) // 2 + 1
     return {
         "tension_lengths": [

@@ -119,6 +119,23 @@ def refuse_bad_arms(model: Model, held: Held) -> None:
         )
 
 
+def refuse_crossing_wires(model: Model, shape: Equilibrium) -> None:
+    """Raise when a wire hangs below one that it carries.
+
+    Parameters
+    ----------
+    model
+    shape
+
+    Raises
+    ------
+    ModelError
+        With the worst place of every pair.
+    """
+    if faults := list(_crossing_wires(model, shape)):
+        raise ModelError("\n".join(faults))
+
+
 def _of_wire(model: Model, label: MastLabel, at: At) -> str:
     """Name the place of a contact wire at a support, and the wire where there are several."""
     several = len({piece.at.run for piece in model.line.registrations}) > 1
@@ -212,8 +229,22 @@ def _crossing_wires(model: Model, shape: Equilibrium) -> Iterator[str]:
         worst = int(gap.argmin())
         if gap[worst] <= 0.0:
             span = _span(model, model.mesh.strand(upper), min(worst, len(mine) - 2))
+            low, high = _carried(model, lower)
+            why = (
+                "it sags too much; give it more tension or the line more encumbrance "
+                "(supports.encumbrance)"
+                if low <= mine[worst] <= high
+                else "the wire that it carries rises too far; lower overlaps.anchor_rise and "
+                "overlaps.rise"
+            )
             yield (
                 f"wire {upper!r} hangs {-1e3 * gap[worst]:.0f} mm below {lower!r}, which it "
-                f"carries, in {span}: it sags too much under this load or warmth; give it more "
-                "tension or the line more encumbrance (supports.encumbrance)"
+                f"carries, in {span}: {why}"
             )
+
+
+def _carried(model: Model, run: str) -> tuple[float, float]:
+    """Return the first and the last place at which droppers carry a run [m]."""
+    held = {piece.at for piece in model.line.registrations}
+    places = [h.lower.s for h in model.line.hangers if h.lower.run == run and h.lower not in held]
+    return min(places, default=np.inf), max(places, default=-np.inf)
