@@ -57,6 +57,24 @@ MassOption = Annotated[
         show_default=False,
     ),
 ]
+PointsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--points",
+        metavar="FILE",
+        help="Elasticity and uplift measured at supports, droppers or mid-span, CSV or XLSX.",
+        show_default=False,
+    ),
+]
+ElasticityForceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--elasticity-force",
+        metavar="FORCE",
+        help="Force under which elasticity was measured; that of the case by default.",
+        show_default=False,
+    ),
+]
 
 
 def measured(
@@ -152,6 +170,8 @@ def compare(
     strip_mass: MassOption = None,
     filtered: FilteredOption = False,
     limits: LimitsOption = None,
+    points: PointsOption = None,
+    elasticity_force: ElasticityForceOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -173,7 +193,7 @@ def compare(
 
         masses = tuple(strip_mass or ())  # the path is that of each recording
         reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
-        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        asked = (tuple(pantograph or ()), offset, search, limits, points, elasticity_force, project)
         request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
