@@ -12,6 +12,7 @@ from tautwire.files import write_text
 from tautwire.report.parts.blocks import Section, Table, Text
 from tautwire.report.parts.recordings.rank import (
     CREW_HEAD,
+    FIGURE_GROUPS,
     FIGURE_HEAD,
     crew_rows,
     figure_rows,
@@ -39,8 +40,8 @@ def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -
         "the rows follow the line.",
         CREW_HEAD, "rlrrrrl", tuple(crew_rows(rankings)),
     )  # fmt: skip
-    corrected = [ranking for ranking in rankings if ranking.made]
-    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "lrrrr", tuple(figure_rows(corrected)))
+    rows = tuple(figure_rows(rankings))
+    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "l" + "r" * 10, rows, FIGURE_GROUPS)
     note = Text(
         "Computed: a passage over the whole line with these corrections made; this is what they "
         "gain. Predicted: the sum of the changes that each makes after those before it, from "

@@ -19,7 +19,7 @@ from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.report.parts.recordings.rank import (
-    FIGURE_HEAD,
+    FIGURE_NARROW,
     RANK_HEAD,
     SHOWN,
     corrections_csv,
@@ -110,7 +110,7 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
         heading("Corrections", rate),
         table(RANK_HEAD, "rLrrrrrrrr", rank_rows(rankings)[:SHOWN]),
         heading("What the first gain together"),
-        table(FIGURE_HEAD, "Lrrrr", figure_rows(rankings)),
+        table(FIGURE_NARROW, "Lrrrrrrrrrr", figure_rows(rankings)),
     )
     if out is not None:
         files = Files(out)
