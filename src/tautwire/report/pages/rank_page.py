@@ -17,6 +17,7 @@ from tautwire.report.parts.recordings.rank import (
     crew_rows,
     figure_rows,
 )
+from tautwire.report.parts.words import counted
 from tautwire.report.writers.html import render
 from tautwire.version import __version__
 
@@ -58,7 +59,7 @@ def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -
 def _masthead(rankings: Sequence[Ranking]) -> dict[str, Any]:
     case, *others = (ranking.case for ranking in rankings)
     speeds = sorted({round(3.6 * ranking.case.scenario.speed) for ranking in rankings})
-    more = f" and {len(others)} others" if others else ""
+    more = f" and {counted(len(others), 'other')}" if others else ""
     return {
         "title": f"Corrections of {case.name}{more}",
         "description": "" if others else case.title,
