@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
-    from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.numerics.newmark import HHT, Extrapolated, Newmark
     from tautwire.report.layout_plan.plan import layout_plan
     from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
@@ -62,6 +62,7 @@ __all__ = [
     "ConstantStep",
     "ConvergenceError",
     "Equilibrium",
+    "Extrapolated",
     "InputError",
     "Model",
     "ModelError",
@@ -107,6 +108,7 @@ _HOMES = {
     "ConstantStep": "tautwire.numerics.events.step_control",
     "ConvergenceError": "tautwire.errors",
     "Equilibrium": "tautwire.results.equilibrium",
+    "Extrapolated": "tautwire.numerics.newmark",
     "HHT": "tautwire.numerics.newmark",
     "InputError": "tautwire.errors",
     "Model": "tautwire.model.build",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from types import ModuleType
 from typing import Any, Literal
@@ -13,11 +14,13 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion.extrapolated_stepper import ExtrapolatedStepper
 from tautwire.numerics.motion.native_line import NotAChainError
 from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions, Stepper
 from tautwire.numerics.network.system import System
+from tautwire.numerics.newmark import Extrapolated
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
@@ -126,6 +129,14 @@ def make_stepper(
         'native' was asked for and is not there or cannot compute the line, or TAUTWIRE_SIMD names
         kernels that are not there.
     """
+    if isinstance(options.integrator, Extrapolated):
+        base, usual = options.integrator.base, options.time_step
+
+        def part(count: int) -> Stepper:
+            own = replace(options, integrator=base, time_step=usual / count)
+            return make_stepper(system, pantographs, own, observed, backend)
+
+        return ExtrapolatedStepper(part)
     core = _native(backend)
     if core is None:
         return ReferenceStepper(system, pantographs, options, observed)
@@ -144,7 +155,8 @@ def make_stepper(
 
 def backend_of(stepper: Stepper) -> str:
     """Describe the kernels that a time integration uses, as :func:`backend_name` does."""
-    return backend_name("native" if isinstance(stepper, NativeStepper) else "reference")
+    own = stepper.parts[0] if isinstance(stepper, ExtrapolatedStepper) else stepper
+    return backend_name("native" if isinstance(own, NativeStepper) else "reference")
 
 
 def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:
