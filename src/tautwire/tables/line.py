@@ -1,4 +1,4 @@
-"""Mapped sheets as parts of a case: spans, supports, droppers, wires, bodies, names, chainage."""
+"""Mapped sheets as parts of a case: spans, supports, droppers, wires, fittings, overlaps."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tautwire.tables.columns import role_of
 from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
 from tautwire.tables.rows import LATERAL, Rows
-from tautwire.tables.sheets import Cell
+from tautwire.tables.sheets import LONGEST_CELL, Cell
 
 Path = tuple[str | int, ...]
 _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
@@ -32,6 +32,8 @@ SECTIONS = {
     "wires": ("wires",),
     "bodies": ("bodies",),
     "stays": ("stays",),
+    "tension_lengths": ("tension_lengths",),
+    "overlaps": ("overlaps",),
 }
 """Parts of a case that a kind of table fills."""
 
@@ -239,10 +241,19 @@ def _droppers(rows: Rows, result: LineTables) -> None:
 def _values(rows: Rows, result: LineTables) -> None:
     paths = rows.texts("path") or []
     for index, (path, value) in enumerate(zip(paths, rows.cells("value"), strict=True)):
-        if path is None:
+        if path is None and _goes_on(result.said, value):
+            last = result.said[-1]
+            result.said[-1] = Said(last.path, f"{last.value}{value}", last.place)
+        elif path is None:
             rows.complain(index, "path", "is empty")
         elif value is not None:
             result.said.append(Said(path, value, rows.place(index, "value")))
+
+
+def _goes_on(said: Sequence[Said], value: Cell) -> bool:
+    """Tell whether a row without a path goes on with a text that no cell holds."""
+    text = said[-1].value if said else None
+    return isinstance(value, str) and isinstance(text, str) and len(text) > LONGEST_CELL // 2
 
 
 def _sources(rows: Rows, result: LineTables) -> None:
@@ -312,6 +323,55 @@ def _fittings(
         result.origins[kind, index] = rows.place(index, "position")
 
 
+def _tension_lengths(rows: Rows, result: LineTables) -> None:
+    """Read one tension length per row; an end that is not told is anchored, as in a case."""
+    plan = _plan(result)
+    names, ends = rows.texts("tension_length") or [], {}
+    for side in ("left", "right"):
+        ends[side] = rows.texts(f"{side}_end") or [None] * len(names)
+    masts = {name: rows.texts(name) or [None] * len(names)
+             for name in ("first_mast", "last_mast", "fixed_point")}  # fmt: skip
+    found: list[dict[str, Any]] = []
+    for index, name in enumerate(names):
+        number = {key: _support(rows, index, key, values[index], plan)
+                  for key, values in masts.items()}  # fmt: skip
+        told = {side: words[index] for side, words in ends.items() if words[index] is not None}
+        found.append({"masts": [number["first_mast"], number["last_mast"]]}
+                     | ({} if name is None else {"name": name})
+                     | ({"ends": told} if told else {})
+                     | ({"fixed_point": number["fixed_point"]} if number["fixed_point"] else {})
+                     )  # fmt: skip
+        result.origins["tension_lengths", index] = rows.place(index, "first_mast")
+    result.values["tension_lengths"] = found
+
+
+def _support(rows: Rows, index: int, name: str, text: str | None, plan: LinePlan) -> int | None:
+    """Return the number of a support from its name, or from itself."""
+    if text is None:
+        if name != "fixed_point":
+            rows.complain(index, name, "is empty")
+        return None
+    if plan.masts.count(text) == 1:
+        return plan.masts.index(text) + 1
+    if text.isdecimal():
+        return int(text)
+    rows.complain(index, name, f"got {text!r}; give the name of a mast or the number of a support")
+    return None
+
+
+def _overlaps(rows: Rows, result: LineTables) -> None:
+    columns: dict[str, Sequence[Any]] = {"kind": rows.texts("overlap") or ()}
+    for name in ("separation", "rise", "anchor_rise"):
+        columns[name] = rows.numbers(name) or ()
+    result.values["overlaps"] = [
+        {key: values[index] for key, values in columns.items()
+         if values and values[index] is not None}
+        for index in range(len(rows.indices))
+    ]  # fmt: skip
+    for index in range(len(rows.indices)):
+        result.origins["overlaps", index] = rows.place(index, "rise")
+
+
 _READERS = {
     "values": _values,
     "sources": _sources,
@@ -320,5 +380,7 @@ _READERS = {
     "droppers": _droppers,
     "bodies": _bodies,
     "stays": _stays,
+    "tension_lengths": _tension_lengths,
+    "overlaps": _overlaps,
 }
 """Reader of every kind of table, in the order in which they need each other."""
