@@ -40,6 +40,10 @@ struct LineData {
     const double *stiffening_bending, *stiffening_load;  // (nodes - 1,), (nodes, 6)
 };
 
+// Parts of a line that threads can work on side by side, if it is long enough (line/layout.hpp). More
+// than two were not needed: each end of a part costs some rows twice.
+inline constexpr int kMostParts = 2;
+
 // Time integration (theory: numerics/newmark.py) and when an iteration stops.
 struct Scheme {
     double alpha, beta, gamma;
@@ -47,6 +51,7 @@ struct Scheme {
     double tolerance;
     int iterations;
     bool full_newton;
+    int threads;  // that take part, the calling one included; the numbers do not depend on them
 };
 
 // One pantograph as a chain of stages, head first (numerics/pantograph.py).

@@ -136,12 +136,15 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     data.stiffening_load = stiffened ? numbers("stiffening_load", dofs) : nullptr;
     data.damping_mass = Arguments::value<double>(line, "damping_mass");
     data.damping_stiffness = Arguments::value<double>(line, "damping_stiffness");
+    const int threads = Arguments::value<int>(scheme, "threads");
+    if (threads < 1 || threads > kMostParts)
+        throw nb::value_error(("threads must be from 1 to " + std::to_string(kMostParts)).c_str());
     const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"),
                      Arguments::positive(scheme, "time_step"), number("tolerance"),
                      Arguments::value<int>(scheme, "iterations"),
-                     Arguments::value<bool>(scheme, "full_newton")}));
+                     Arguments::value<bool>(scheme, "full_newton"), threads}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {

@@ -84,7 +84,6 @@ private:
     }
     void spread(const Buffer<Floats>& sizes);
     void set_rows();
-    void set_runs();
 
     Layout layout_;
     Buffer<Floats> share_;   // [row]: kSafety times the share that was left
@@ -139,25 +138,8 @@ inline void Selection::set_rows() {
         }
     }
     formed_ = 0;
-    set_runs();
     for (const unsigned char flag : rows.formed) formed_ += flag;
-}
-
-inline void Selection::set_runs() {
-    const int count = layout_.rows;
-    rows.runs.shorten(0);
-    int begin = 0;
-    while (begin < count && rows.solved[begin]) ++begin;
-    if (begin == count) {
-        rows.whole = true;  // then the pieces are joined at their ends
-        std::memset(rows.formed.data(), 1, rows.formed.size());
-        rows.runs.push({0, count});
-    }
-    for (int n = 0, length = 0, row = begin; n < count && begin < count; ++n, row = layout_.after(row)) {
-        length = rows.solved[row] ? length + 1 : 0;
-        if (length > 0 && !rows.solved[layout_.after(row)])
-            rows.runs.push({(row - length + 1 + count) % count, length});
-    }
+    rows.set_runs(layout_);
 }
 
 inline double Selection::learn(const Buffer<Floats>& sizes, float bound, bool everywhere) {

@@ -42,9 +42,10 @@ private:
 class LineEngine final : public Engine {
 public:
     LineEngine(const LineData& data, const Scheme& scheme)
-        : scheme_(scheme), weight_(1.0 + scheme.alpha), sweeps_(data, weight_),
+        : scheme_(scheme), weight_(1.0 + scheme.alpha), team_(scheme.threads), sweeps_(data, weight_),
           factors_(sweeps_.line, sweeps_.attached, data, scheme), whole_(sweeps_.line.layout),
           selection_(sweeps_.line.layout), paths_(data.paths) {
+        sweeps_.team = &team_;
         for (int i = 0; i < data.paths; ++i)
             paths_[i] = {static_cast<int>(data.path_nodes[2 * i]),
                          static_cast<int>(data.path_nodes[2 * i + 1]), data.path_stiffness[i]};
@@ -109,6 +110,7 @@ private:
 
     Scheme scheme_;
     double weight_;
+    Team team_;
     Sweeps sweeps_;
     StepFactors factors_;
     RowSet whole_;
@@ -130,6 +132,7 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
     for (Pantograph* pantograph : pantographs_) pantograph->set_time_step(chunk.time_step);
     Outcome outcome = Outcome::running;
     const double begin = seconds();
+    team_.begin();
     for (done = 0; done < chunk.steps; ++done) {
         outcome = step(chunk, done);
         if (outcome != Outcome::running) break;
@@ -137,6 +140,7 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
         record(chunk, done);
         timings_.records += seconds() - before;
     }
+    team_.end();
     timings_.total += seconds() - begin;
     return outcome;
 }
@@ -268,7 +272,8 @@ double LineEngine::iterate(P& matrix, const RowSet& rows, bool fresh) {
     touches_.release(layout, sweeps_.known);
     const double eliminated = seconds();
     if (fresh) touches_.set_columns(matrix, weight_ * scale, pantographs_.begin());
-    if (!touches_.correct(matrix, weight_ * scale, pantographs_.begin())) return NAN;
+    touches_.close(weight_ * scale * matrix.scale, pantographs_.begin());
+    if (!sweeps_.correct(matrix, rows, touches_.closed(), touches_.compliance())) return NAN;
     const double corrected = seconds();
     const double increment = first ? sweeps_.substitute<true>(matrix, rows)
                                    : sweeps_.substitute<false>(matrix, rows);
@@ -386,7 +391,7 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     matrix.clear_contacts();
     for (int n = 0; n < kRefinements; ++n) {  // find (1 + alpha) a from M a = -g
         sweeps_.eliminate<false>(matrix, whole_);
-        matrix.correct(nullptr, nullptr);
+        sweeps_.correct(matrix, whole_, nullptr, nullptr);
         sweeps_.substitute<false>(matrix, whole_);
     }
     if (scheme_.alpha != 0.0) carry_over();

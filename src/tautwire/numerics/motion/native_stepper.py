@@ -275,4 +275,5 @@ def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
         "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
+        "threads": int(__import__("os").environ.get("TT", "1")),
     }
