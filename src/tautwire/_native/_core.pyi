@@ -9,6 +9,7 @@ Array = NDArray[np.float64]
 
 built: tuple[str, ...]
 runnable: tuple[str, ...]
+most_threads: int
 
 def instruction_set() -> str: ...
 def use(name: str) -> None: ...

@@ -222,6 +222,7 @@ NB_MODULE(_core, m) {
     chosen = runnable_backends().front();
     m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
     m.attr("built") = names_of(built_backends());
+    m.attr("most_threads") = kMostParts;
     m.attr("runnable") = names_of(runnable_backends());
     m.def("instruction_set", [] { return chosen->name; });
     m.def("use", &use, nb::arg("name"));

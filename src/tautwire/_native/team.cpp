@@ -11,9 +11,6 @@
 #include <pthread.h>
 #include <signal.h>
 #endif
-#if defined(__x86_64__) || defined(_M_X64)
-#include <immintrin.h>
-#endif
 #endif
 
 namespace tautwire {
@@ -22,25 +19,21 @@ namespace tautwire {
 
 namespace {
 
-// Wait for the system this long [s], then work alone: parts of a step take 2 to 50 us on lines of a
-// kilometre, and the calling thread has done one as long before it waits.
+// A wait longer than this [s] means that the system has taken a helper off its processor: a part takes
+// 2 to 50 us on lines of a kilometre, and the calling thread has done one as long before it waits.
 constexpr double kPatience = 300e-6;
-// Time alone after that [s]: doubled every time, halved by every kSound of work without waiting. A
-// helper that is put off waits for some 4 ms, the share of another process, so that even where every
-// attempt fails less than a hundredth of the time is lost.
-constexpr double kLeastRest = 20e-3, kMostRest = 1.0, kSound = 0.1;
+// After so long [s] the way of working that seems slower, alone or with helpers, is tried again, for one
+// call of the engine, which takes 2 to 10 ms: a hundredth of the time is at stake.
+constexpr double kReview = 0.5;
+// Steps of a call that tell how fast it was, and the part of what they tell that counts.
+constexpr int kTelling = 10;
+constexpr double kNew = 0.3;
 // A helper that is given nothing sleeps after so long [s]; between two calls of the engine pass 0.3 ms.
 constexpr double kIdle = 2e-3;
-// Turns of a waiting loop between two looks at the clock, some 2 us.
-constexpr int kTurns = 64;
-
-void pause() {
-#if defined(__x86_64__) || defined(_M_X64)
-    //_mm_pause();
-#elif defined(__aarch64__) && !defined(_MSC_VER)
-    asm volatile("yield");
-#endif
-}
+// Turns of a waiting loop between two looks at the clock, about 1 us. No instruction that tells the
+// processor of the waiting: on virtual machines thousands of them hand it over to the host, and parts
+// then take twice as long.
+constexpr int kTurns = 256;
 
 // Signals are for the thread that runs Python.
 class SignalsBlocked {
@@ -96,10 +89,7 @@ struct Team::Crew {
     bool helped() {
         for (int n = 0; n < kTurns; ++n) {
             const int part = claim();
-            if (part < 0) {
-                pause();
-                continue;
-            }
+            if (part < 0) continue;
             work(what, part);
             done.fetch_add(1, std::memory_order_release);
             return true;
@@ -115,7 +105,7 @@ struct Team::Crew {
     }
 };
 
-Team::Team(int threads) : threads_(threads), rest_(kLeastRest) {
+Team::Team(int threads) {
     if (threads < 2) return;
     crew_ = new Crew;
     const SignalsBlocked blocked;
@@ -137,33 +127,26 @@ Team::~Team() {
 }
 
 void Team::begin() {
+    if (!crew_) return;
     begun_ = seconds();
-    helps_ = crew_ && begun_ >= rests_until_;
+    // Helpers first; then alone, to compare.
+    tries_helpers_ = cost_[1] == 0.0 || (cost_[0] != 0.0 && cost_[1] < cost_[0]);
+    if (cost_[0] != 0.0 && begun_ - reviewed_ > kReview) {
+        tries_helpers_ = !tries_helpers_;
+        reviewed_ = begun_;
+    }
+    helps_ = tries_helpers_;
     if (helps_) crew_->wake();
-    extern long g_b1, g_r1; if (crew_) { ++g_b1; g_r1 += !helps_; }
-}
-long g_b1, g_r1;
-
-void Team::end() {
-    if (!helps_) return;
-    helps_ = false;
-    crew_->is_awake.store(0, std::memory_order_relaxed);
-    helped_ += seconds() - begun_;
-    if (helped_ < kSound) return;
-    helped_ = 0.0;
-    rest_ = rest_ > 2.0 * kLeastRest ? 0.5 * rest_ : kLeastRest;
 }
 
-extern long g_b1, g_r1; static long g_shares, g_help, g_stall, g_begin, g_rested; static double g_wait;
-#include <cstdio>
-#include <cstdlib>
-static struct Dump { ~Dump(){ if(getenv("TT_DUMP")) std::fprintf(stderr,"shares %ld helped %ld stalls %ld begin %ld rested %ld wait %.3f\n",g_shares,g_help,g_stall,g_b1,g_r1,g_wait);} } g_dump;
-void Team::work_alone() { ++g_stall;
+void Team::end(int steps) {
+    if (!crew_) return;
     helps_ = false;
     crew_->is_awake.store(0, std::memory_order_relaxed);
-    helped_ = 0.0;
-    rest_ = rest_ < 0.5 * kMostRest ? 2.0 * rest_ : kMostRest;
-    rests_until_ = seconds() + rest_;
+    if (steps < kTelling) return;
+    const double now = (seconds() - begun_) / steps;
+    double& cost = cost_[tries_helpers_];
+    cost = cost == 0.0 ? now : cost + kNew * (now - cost);
 }
 
 void Team::share(int parts, Work work, const void* what) {
@@ -174,18 +157,16 @@ void Team::share(int parts, Work work, const void* what) {
     const std::uint64_t number = (crew.offer.load(std::memory_order_relaxed) >> 16) + 1;
     crew.offer.store(number << 16 | static_cast<std::uint64_t>(parts) << 8 | 1,
                      std::memory_order_release);
-    int own = 1; ++g_shares;
+    int own = 1;
     work(what, 0);
     for (int part; (part = crew.claim()) >= 0; ++own) work(what, part);
-    g_help += parts - own; 
     double since = 0.0;
     for (int n = 1; crew.done.load(std::memory_order_acquire) < parts - own; ++n) {
-        pause();
         if (n % kTurns) continue;
         const double now = seconds();
         if (since == 0.0) since = now;
         if (now - since < kPatience) continue;
-        if (helps_) work_alone();
+        helps_ = false;  // until the end of this call
         std::this_thread::yield();  // the helper may be waiting for this very processor
     }
 }
@@ -193,15 +174,10 @@ void Team::share(int parts, Work work, const void* what) {
 #else  // a system without threads
 
 struct Team::Crew {};
-Team::Team(int) : threads_(1), rest_(0.0) {}
+Team::Team(int) {}
 Team::~Team() = default;
 void Team::begin() {}
-void Team::end() {}
-extern long g_b1, g_r1; static long g_shares, g_help, g_stall, g_begin, g_rested; static double g_wait;
-#include <cstdio>
-#include <cstdlib>
-static struct Dump { ~Dump(){ if(getenv("TT_DUMP")) std::fprintf(stderr,"shares %ld helped %ld stalls %ld begin %ld rested %ld wait %.3f\n",g_shares,g_help,g_stall,g_b1,g_r1,g_wait);} } g_dump;
-void Team::work_alone() { ++g_stall;}
+void Team::end(int) {}
 void Team::share(int parts, Work work, const void* what) {
     for (int part = 0; part < parts; ++part) work(what, part);
 }

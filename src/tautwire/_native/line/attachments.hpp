@@ -137,16 +137,13 @@ class Attachments {
 public:
     Attachments(const LineData& data, const Line& line);
 
-    // Find the forces of everything that has an end in the formed rows; a part does its share of the
-    // registers.
-    void evaluate(const MotionView& view, const RowSet& set, int part);
-    // Add the forces found to those on the nodes of the formed rows of a part; release takes them
-    // away again, exactly.
-    void push(Buffer<Row>& force, const RowSet& set, int part);
+    // Add the forces of everything that has an end in the formed rows of a part to those on their
+    // nodes; release takes them away again, exactly.
+    void push(const MotionView& view, Buffer<Row>& force, const RowSet& set, int part);
     void release(Buffer<Row>& force, const RowSet& set, int part);
 
-    // Axial forces of the ties.
-    void tie_forces(const MotionView& view, double* out) const;
+    // Axial forces of the ties of a part.
+    void tie_forces(const MotionView& view, double* out, int part) const;
 
     // Which ties and stays carried force at the last push (1 or 0); the linear ones always.
     const Buffer<unsigned char>& acting_ties() const { return ties_.acting; }
@@ -185,18 +182,17 @@ private:
 
     static constexpr int kKinds = 4;  // ties, clamps, stays, grounds
 
-    // The registers that a part evaluates: those from the first on, below the last.
-    struct Range {
-        int first, last;
-    };
-    Range share(int kind, int part) const {
-        return {first_register_[kind][part], first_register_[kind][part + 1]};
+    // Registers of a kind: one belongs to the part in which its first node is, but every part
+    // evaluates all that have an end in its rows.
+    bool owns(int part, int kind, int k) const {
+        return first_register_[kind][part] <= k && k < first_register_[kind][part + 1];
     }
-    void evaluate_ties(const MotionView& view, const RowSet& set, int part);
-    void evaluate_clamps(const MotionView& view, const RowSet& set, int part);
-    void evaluate_stays(const MotionView& view, const RowSet& set, int part);
-    void evaluate_grounds(const MotionView& view, const RowSet& set, int part);
+    struct Needed {
+        int kind, k;
+    };
+    TAUTWIRE_INLINE void evaluate(const MotionView& view, int part, Needed needed, Doubles (&out)[3]);
     void list_effects();
+    static int number_of(List<Needed>& list, Needed wanted);
     const Layout& layout_;
     double weight_;
     NodeList upper_, lower_, host_, other_, stayed_, grounded_;
@@ -204,18 +200,20 @@ private:
     // [register][component]
     Buffer<Doubles> clamp_stiffness_, clamp_offset_, stay_end_, ground_stiffness_, ground_damping_,
         ground_free_;
-    // [register][component], kind after kind
-    Buffer<Doubles> found_;
-    int first_found_[kKinds] = {};  // of the kinds, in registers
-    int first_register_[kKinds][kMostParts + 1] = {};  // of the parts
+    int first_register_[kKinds][kMostParts + 1] = {};  // of the parts, and behind the last
     // What a force does to a node: which one, as a number of found_, with which sign; where in an
     // array of rows its first component acts, as a number, and what stood there.
     struct Effect {
         int from, at, row;
         double sign, before[3];
     };
-    Buffer<Effect> effects_;  // row by row
-    Buffer<int> first_effect_;  // [part], and behind the last
+    // What a part works on alone.
+    struct Own {
+        List<Needed> needed;
+        Buffer<Doubles> found;  // [needed][component]
+        List<Effect> effects;   // row by row
+    };
+    Own own_[kMostParts];
 };
 
 inline Buffer<Attachments::Tie> Attachments::ties_of(const LineData& data, const Line& line) {
@@ -300,9 +298,7 @@ inline Attachments::Attachments(const LineData& data, const Line& line)
       stay_end_(3 * stayed_.registers()),
       ground_stiffness_(9 * grounded_.registers()),
       ground_damping_(9 * grounded_.registers()),
-      ground_free_(3 * grounded_.registers()),
-      effects_(2 * (ties.size() + clamps.size()) + stays.size() + grounds.size()),
-      first_effect_(kMostParts + 1) {
+      ground_free_(3 * grounded_.registers()) {
     pack();
     list_effects();
 }
@@ -315,31 +311,40 @@ inline void Attachments::list_effects() {
         int kind;
         double sign;
     };
-    const NodeList* kinds[kKinds] = {&lower_, &host_, &stayed_, &grounded_};
-    int registers = 0;
-    for (int kind = 0; kind < kKinds; registers += kinds[kind++]->registers()) {
-        first_found_[kind] = registers;
-        for (int part = 0; part <= layout_.parts; ++part)
-            first_register_[kind][part] = kinds[kind]->first(layout_, part);
-    }
-    found_ = Buffer<Doubles>(3 * static_cast<std::size_t>(registers));
     const Side sides[] = {{lower_, ties.size(), 0, 1.0},    {upper_, ties.size(), 0, -1.0},
                           {host_, clamps.size(), 1, 1.0},   {other_, clamps.size(), 1, -1.0},
                           {stayed_, stays.size(), 2, -1.0}, {grounded_, grounds.size(), 3, -1.0}};
-    Buffer<int> place(layout_.rows + 1);
-    const auto each = [&](auto work) {
+    const NodeList* kinds[kKinds] = {&lower_, &host_, &stayed_, &grounded_};
+    for (int kind = 0; kind < kKinds; ++kind)
+        for (int part = 0; part <= layout_.parts; ++part)
+            first_register_[kind][part] = kinds[kind]->first(layout_, part);
+    for (int part = 0; part < layout_.parts; ++part) {
+        Own& own = own_[part];
+        Buffer<int> place(layout_.rows + 1);
+        List<Effect> effects;
         for (const Side& side : sides)
             for (std::size_t n = 0; n < side.count; ++n) {
                 const int k = static_cast<int>(n) / kLanes, lane = static_cast<int>(n) % kLanes;
-                const int at = side.nodes.at(k)[lane];
-                work(Effect{(first_found_[side.kind] + k) * 3 * kLanes + lane, at, at / (12 * kLanes),
-                            side.sign, {}});
+                const int row = side.nodes.row(k, lane);
+                if (layout_.part(row) != part) continue;
+                const int number = number_of(own.needed, {side.kind, k});
+                effects.push({3 * number * kLanes + lane, side.nodes.at(k)[lane], row, side.sign, {}});
+                ++place[row + 1];
             }
-    };
-    each([&](const Effect& effect) { ++place[effect.row + 1]; });
-    for (int row = 0; row < layout_.rows; ++row) place[row + 1] += place[row];
-    for (int part = 0; part <= layout_.parts; ++part) first_effect_[part] = place[layout_.bound(part)];
-    each([&](const Effect& effect) { effects_[place[effect.row]++] = effect; });
+        own.found = Buffer<Doubles>(3 * own.needed.size());
+        for (int row = 0; row < layout_.rows; ++row) place[row + 1] += place[row];
+        Buffer<Effect> sorted(effects.size());
+        for (const Effect& effect : effects) sorted[place[effect.row]++] = effect;
+        for (const Effect& effect : sorted) own.effects.push(effect);
+    }
+}
+
+// Find a register in a list, or add it.
+inline int Attachments::number_of(List<Needed>& list, Needed wanted) {
+    for (std::size_t n = list.size(); n-- > 0;)
+        if (list[n].kind == wanted.kind && list[n].k == wanted.k) return static_cast<int>(n);
+    list.push(wanted);
+    return static_cast<int>(list.size()) - 1;
 }
 
 // Copy clamps, stays and grounds to registers.
@@ -363,78 +368,63 @@ inline void Attachments::pack() {
     }
 }
 
-inline void Attachments::evaluate_ties(const MotionView& view, const RowSet& set, int part) {
-    const Range range = share(0, part);
-    for (int k = range.first; k < range.last; ++k) {
-        if (!upper_.meets(set, k) && !lower_.meets(set, k)) continue;
-        Doubles t[3], rate[3], q[3], v[3];
-        upper_.move(view, k, t, rate);
-        lower_.move(view, k, q, v);
+// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one). Which
+// bars act is noted by the part that owns the register.
+TAUTWIRE_INLINE void Attachments::evaluate(
+    const MotionView& view, int part, Needed needed, Doubles (&out)[3]) {
+    const int k = needed.k;
+    Doubles q[3], v[3];
+    if (needed.kind < 2) {
+        Doubles rate[3];
+        const NodeList &from = needed.kind == 0 ? upper_ : other_, &to = needed.kind == 0 ? lower_ : host_;
+        from.move(view, k, out, rate);
+        to.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) {
-            t[i] -= q[i];
+            out[i] -= q[i];
             rate[i] -= v[i];
         }
-        const Doubles tension = ties_.tension(k, t, rate);
-        ties_.note(k, tension);
-        for (int i = 0; i < 3; ++i) found_[3 * (first_found_[0] + k) + i] = tension * t[i];
-    }
-}
-
-inline void Attachments::evaluate_clamps(const MotionView& view, const RowSet& set, int part) {
-    const Range range = share(1, part);
-    for (int k = range.first; k < range.last; ++k) {
-        if (!host_.meets(set, k) && !other_.meets(set, k)) continue;
-        Doubles p[3], q[3], unused[3];
-        other_.move(view, k, p, unused);
-        host_.move(view, k, q, unused);
-        for (int i = 0; i < 3; ++i)
-            found_[3 * (first_found_[1] + k) + i] =
-                clamp_stiffness_[k] * (p[i] - q[i] - clamp_offset_[3 * k + i]);
-    }
-}
-
-inline void Attachments::evaluate_stays(const MotionView& view, const RowSet& set, int part) {
-    const Range range = share(2, part);
-    for (int k = range.first; k < range.last; ++k) {
-        if (!stayed_.meets(set, k)) continue;
-        Doubles t[3], rate[3];
-        stayed_.move(view, k, t, rate);
-        for (int i = 0; i < 3; ++i) t[i] -= stay_end_[3 * k + i];
-        const Doubles tension = stays_.tension(k, t, rate);
-        stays_.note(k, tension);
-        for (int i = 0; i < 3; ++i) found_[3 * (first_found_[2] + k) + i] = tension * t[i];
-    }
-}
-
-inline void Attachments::evaluate_grounds(const MotionView& view, const RowSet& set, int part) {
-    const Range range = share(3, part);
-    for (int k = range.first; k < range.last; ++k) {
-        if (!grounded_.meets(set, k)) continue;
-        Doubles q[3], v[3];
+        if (needed.kind == 1) {
+            for (int i = 0; i < 3; ++i)
+                out[i] = clamp_stiffness_[k] * (out[i] - clamp_offset_[3 * k + i]);
+            return;
+        }
+        const Doubles tension = ties_.tension(k, out, rate);
+        if (owns(part, 0, k)) ties_.note(k, tension);
+        for (Doubles& component : out) component *= tension;
+    } else if (needed.kind == 2) {
+        stayed_.move(view, k, out, v);
+        for (int i = 0; i < 3; ++i) out[i] -= stay_end_[3 * k + i];
+        const Doubles tension = stays_.tension(k, out, v);
+        if (owns(part, 2, k)) stays_.note(k, tension);
+        for (Doubles& component : out) component *= tension;
+    } else {
         grounded_.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) q[i] -= ground_free_[3 * k + i];
         for (int i = 0; i < 3; ++i) {
             const Doubles* stiffness = &ground_stiffness_[9 * k + 3 * i];
             const Doubles* damping = &ground_damping_[9 * k + 3 * i];
-            found_[3 * (first_found_[3] + k) + i] =
-                stiffness[0] * q[0] + stiffness[1] * q[1] + stiffness[2] * q[2] +
-                damping[0] * v[0] + damping[1] * v[1] + damping[2] * v[2];
+            out[i] = stiffness[0] * q[0] + stiffness[1] * q[1] + stiffness[2] * q[2] +
+                     damping[0] * v[0] + damping[1] * v[1] + damping[2] * v[2];
         }
     }
 }
 
-inline void Attachments::evaluate(const MotionView& view, const RowSet& set, int part) {
-    evaluate_ties(view, set, part);
-    evaluate_clamps(view, set, part);
-    evaluate_stays(view, set, part);
-    evaluate_grounds(view, set, part);
-}
-
-inline void Attachments::push(Buffer<Row>& force, const RowSet& set, int part) {
+inline void Attachments::push(
+    const MotionView& view, Buffer<Row>& force, const RowSet& set, int part) {
+    Own& own = own_[part];
+    const NodeList* ends[kKinds][2] = {
+        {&lower_, &upper_}, {&host_, &other_}, {&stayed_, &stayed_}, {&grounded_, &grounded_}};
+    for (std::size_t n = 0; n < own.needed.size(); ++n) {
+        const Needed needed = own.needed[n];
+        if (!ends[needed.kind][0]->meets(set, needed.k) && !ends[needed.kind][1]->meets(set, needed.k))
+            continue;
+        Doubles f[3];
+        evaluate(view, part, needed, f);
+        for (int i = 0; i < 3; ++i) own.found[3 * n + i] = f[i];
+    }
     auto* out = reinterpret_cast<double*>(force.data());
-    const auto* found = reinterpret_cast<const double*>(found_.data());
-    for (int n = first_effect_[part]; n < first_effect_[part + 1]; ++n) {
-        Effect& effect = effects_[n];
+    const auto* found = reinterpret_cast<const double*>(own.found.data());
+    for (Effect& effect : own.effects) {
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) {
             double& place = out[effect.at + i * kLanes];
@@ -446,15 +436,16 @@ inline void Attachments::push(Buffer<Row>& force, const RowSet& set, int part) {
 
 inline void Attachments::release(Buffer<Row>& force, const RowSet& set, int part) {
     auto* out = reinterpret_cast<double*>(force.data());
-    for (int n = first_effect_[part + 1] - 1; n >= first_effect_[part]; --n) {
-        const Effect& effect = effects_[n];
+    const List<Effect>& effects = own_[part].effects;
+    for (std::size_t n = effects.size(); n-- > 0;) {
+        const Effect& effect = effects[n];
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) out[effect.at + i * kLanes] = effect.before[i];
     }
 }
 
-inline void Attachments::tie_forces(const MotionView& view, double* out) const {
-    for (int k = 0; k < upper_.registers(); ++k) {
+inline void Attachments::tie_forces(const MotionView& view, double* out, int part) const {
+    for (int k = first_register_[0][part]; k < first_register_[0][part + 1]; ++k) {
         Doubles t[3], rate[3], q[3], v[3];
         upper_.move(view, k, t, rate);
         lower_.move(view, k, q, v);

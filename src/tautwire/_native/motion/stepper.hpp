@@ -90,7 +90,7 @@ private:
     template <class P>
     double iterate(P& matrix, const RowSet& rows, bool fresh);
     bool settle(int iteration);
-    void learn(bool everywhere);
+    void review(bool learns, bool everywhere);
     // The tolerance as an acceleration.
     float bound() { return static_cast<float>(scheme_.tolerance / sweeps_.end().to_position); }
     bool renew(bool full_newton);
@@ -140,7 +140,7 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
         record(chunk, done);
         timings_.records += seconds() - before;
     }
-    team_.end();
+    team_.end(done);
     timings_.total += seconds() - begin;
     return outcome;
 }
@@ -183,7 +183,7 @@ inline Outcome LineEngine::solve(Watchdog watch) {
                                                    : iterate(factors_.fast(), whole_, fresh);
         ++counters_.iterations;
         if (std::isnan(increment)) return Outcome::not_finite;
-        if (n > 0 && !watch.full_newton) learn(true);
+        if (!watch.full_newton) review(n > 0, true);
         if (watch.count > 0 && increment <= scheme_.tolerance) {
             counters_.full_newton_steps += watch.full_newton;
             return Outcome::running;
@@ -293,19 +293,27 @@ inline bool LineEngine::settle(int iteration) {
         touched_.shorten(0);
         for (const Touch& touch : touches_) touched_.push(layout.slot(touch.point.element).row);
         const bool first = iteration == 0 && n == 0;
-        if (!selection_.choose(sweeps_.sizes, bound(), touched_, first)) return true;
+        if (!selection_.choose(bound(), touched_, first)) return true;
         if (first && (selection_.is_large() || selection_.verifies())) return false;
         if (!touch_all() || std::isnan(iterate(factors_.fast(), selection_.rows, false))) return false;
         ++counters_.local_iterations;
         counters_.local_rows += selection_.formed();
-        learn(false);
+        review(true, false);
     }
-    return !selection_.choose(sweeps_.sizes, bound(), touched_, false);
+    return !selection_.choose(bound(), touched_, false);
 }
 
-// Let the selection learn from an iteration; what it had overlooked is counted.
-inline void LineEngine::learn(bool everywhere) {
-    const double overlooked = sweeps_.end().to_position * selection_.learn(sweeps_.sizes, bound(), everywhere);
+// Let the selection look at the increments of an iteration in some rows or everywhere, after it has
+// learned from them; what it had overlooked is counted.
+inline void LineEngine::review(bool learns, bool everywhere) {
+    const float limit = bound();
+    team_.share(sweeps_.line.layout.parts, [&](int part) {
+        if (learns) selection_.learn(sweeps_.sizes, limit, everywhere, part);
+        selection_.look(sweeps_.sizes, limit, part);
+    });
+    if (!learns) return;
+    if (everywhere) selection_.note_whole();
+    const double overlooked = sweeps_.end().to_position * selection_.overlooked();
     if (overlooked > counters_.overlooked) counters_.overlooked = overlooked;
 }
 
@@ -414,7 +422,8 @@ inline void LineEngine::record(const Chunk& chunk, int index) {
         for (int j = 0; j < pantograph->stages(); ++j) *stage++ = pantograph->displacement()[j];
     const Attachments& attached = sweeps_.attached;
     const MotionView motion = sweeps_.at_start();
-    attached.tie_forces(motion, chunk.tie_force + row * static_cast<std::ptrdiff_t>(attached.ties.size()));
+    double* ties = chunk.tie_force + row * static_cast<std::ptrdiff_t>(attached.ties.size());
+    team_.share(sweeps_.line.layout.parts, [&](int part) { attached.tie_forces(motion, ties, part); });
     const WireView view(sweeps_.line, motion);
     double* out = chunk.coordinates + row * chunk.observed;
     for (int i = 0; i < chunk.observed; ++i) {

@@ -43,7 +43,7 @@ public:
     Attachments attached;
     Buffer<Row> known;      // forces known at the start of a step
     Prediction prediction;  // of the step in progress
-    Buffer<Floats> sizes;   // per row: largest |increment| of each node, as substitute left them
+    Buffer<Floats> sizes;   // per row: largest |increment| of each node in the last iteration
     Team* team = nullptr;   // does the parts
 
     WireState& start() { return states_[now_]; }
@@ -314,9 +314,8 @@ template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
     const MotionView view = kFirst ? predicted() : at_end();
     const int parts = line.layout.parts;
-    team->share(parts, [&](int part) { attached.evaluate(view, set, part); });
     team->share(parts, [&](int part) {
-        attached.push(known, set, part);
+        attached.push(view, known, set, part);
         eliminate<kFirst>(preconditioner, set, part);
         attached.release(known, set, part);
     });
@@ -362,6 +361,8 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
 template <bool kFirst, class P>
 void Sweeps::substitute(P& preconditioner, const RowSet& set, int part, Size& size) {
     Floats largest = broadcast<Floats>(0.0), total = largest;
+    for (int row = line.layout.bound(part); row < line.layout.bound(part + 1); ++row)
+        if (!set.solved[row]) sizes[row] = total;
     for (const Run& run : set.runs[part]) {
         typename P::Local local;
         preconditioner.begin_substitution(set, run, local);

@@ -66,6 +66,8 @@ class NativeStepper:
         Integrator, step, tolerance.
     observed
         Degrees of freedom whose coordinates are recorded at every step.
+    threads
+        That may take part in a step; results do not depend on them.
 
     Raises
     ------
@@ -80,8 +82,10 @@ class NativeStepper:
         pantographs: Sequence[PantographInput],
         options: StepOptions,
         observed: Index,
+        threads: int = 1,
     ) -> None:
         self.counters = StepCounters()
+        self.counters.notes["threads"] = threads
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
         self._order = NodeOrder.of(system.cables.nodes, system.node_count)
@@ -90,7 +94,9 @@ class NativeStepper:
         self._clock = Clock()
         arrays = line_arrays(system, self._order, options.stiffening, options.contact_stiffness)
         self._paths = len(arrays["path_stiffness"])
-        self._core = core.Stepper(arrays, _scheme(options, reachable_tolerance(system, options)))
+        self._core = core.Stepper(
+            arrays, _scheme(options, reachable_tolerance(system, options), threads)
+        )
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -265,7 +271,7 @@ def _frames(inputs: Sequence[PantographInput], time: Array) -> Array:
     return frames
 
 
-def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float, threads: int) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
@@ -275,5 +281,5 @@ def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
         "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
-        "threads": int(__import__("os").environ.get("TT", "1")),
+        "threads": threads,
     }
