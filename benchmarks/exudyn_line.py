@@ -116,7 +116,7 @@ def with_tautwire(elements: int, seconds: float) -> tuple[History, Case]:
         Newmark(), settings.step(), settings.contact_stiffness, tolerance=settings.tolerance
     )
     stepper = make_stepper(system, [start], options, np.empty(0, dtype=np.int64))
-    stepper.start_from(q, np.zeros_like(q))  # type: ignore[attr-defined]
+    stepper.start_from(q, np.zeros_like(q))
     begin = time.process_time()
     block = stepper.advance(round(seconds / settings.step()))
     spent = time.process_time() - begin

@@ -9,7 +9,7 @@ from sketches import SKETCHES
 
 import tautwire as tw
 from tautwire.analyses.vibration.modes import modes
-from tautwire.report.figures.line_figures import elasticity_figure
+from tautwire.report.figures.design_figures import elasticity_figure
 from tautwire.report.figures.mode_figures import mode_figure
 from tautwire.report.writers.drawing.figure import figure_svg
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from tautwire.analyses.road.pipeline import run
     from tautwire.analyses.road.shape import find_shape
     from tautwire.analyses.survey.as_built import as_built
-    from tautwire.analyses.survey.rank import rank
+    from tautwire.analyses.survey.rank import rank, rank_lines
     from tautwire.analyses.vibration.modes import modes
-    from tautwire.assessment.measurement import compare_with_measurement
+    from tautwire.assessment.comparison.measurement import compare_with_measurement
     from tautwire.errors import ConvergenceError, InputError, ModelError, TautwireError
     from tautwire.inputs.book.case_book import write_workbook
     from tautwire.inputs.load import load_case
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from tautwire.model.build import Model, build
     from tautwire.numerics.events.refinement import AdaptiveStep
     from tautwire.numerics.events.step_control import ConstantStep, VariableStep
-    from tautwire.numerics.newmark import HHT, Newmark
+    from tautwire.numerics.newmark import HHT, Extrapolated, Newmark
     from tautwire.report.layout_plan.plan import layout_plan
     from tautwire.report.pages.run_page import write_report
     from tautwire.results.equilibrium import Equilibrium
@@ -62,6 +62,7 @@ __all__ = [
     "ConstantStep",
     "ConvergenceError",
     "Equilibrium",
+    "Extrapolated",
     "InputError",
     "Model",
     "ModelError",
@@ -90,6 +91,7 @@ __all__ = [
     "modes",
     "operate",
     "rank",
+    "rank_lines",
     "run",
     "run_study",
     "save_equilibrium",
@@ -106,6 +108,7 @@ _HOMES = {
     "ConstantStep": "tautwire.numerics.events.step_control",
     "ConvergenceError": "tautwire.errors",
     "Equilibrium": "tautwire.results.equilibrium",
+    "Extrapolated": "tautwire.numerics.newmark",
     "HHT": "tautwire.numerics.newmark",
     "InputError": "tautwire.errors",
     "Model": "tautwire.model.build",
@@ -118,7 +121,7 @@ _HOMES = {
     "as_built": "tautwire.analyses.survey.as_built",
     "build": "tautwire.model.build",
     "compare_losses": "tautwire.analyses.force.loss_comparison",
-    "compare_with_measurement": "tautwire.assessment.measurement",
+    "compare_with_measurement": "tautwire.assessment.comparison.measurement",
     "contact_loss": "tautwire.analyses.force.contact_loss",
     "contact_statistics": "tautwire.analyses.force.statistics",
     "elasticity": "tautwire.analyses.road.elasticity",
@@ -134,6 +137,7 @@ _HOMES = {
     "modes": "tautwire.analyses.vibration.modes",
     "operate": "tautwire.analyses.road.operate",
     "rank": "tautwire.analyses.survey.rank",
+    "rank_lines": "tautwire.analyses.survey.rank",
     "run": "tautwire.analyses.road.pipeline",
     "run_study": "tautwire.studies.run",
     "save_equilibrium": "tautwire.results.storage",

@@ -34,6 +34,40 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "corrections.csv").read_text(encoding="utf-8").count("\n") == 2
 
 
+def test_several_tension_lengths_make_one_list(invoke: Invoke, tmp_path: Path) -> None:
+    """Two lines are one list with masts and chainage; --first takes the worst of both to the
+    crew's page, and only in the line where it lies something is gained."""
+    line = {"line.masts": ["12-1", "12-3", "12-5", "12-7"],
+            "line.chainage": [12e3, 12055.0, 12110.0, 12165.0]}  # fmt: skip
+    case = design(3).with_(**line)
+    names = []
+    for number, change in enumerate((-0.01, -0.02), 1):
+        for name, one in ((f"line-{number}", case), (f"built-{number}", wrong(case, {13: change}))):
+            data = one.with_(name=name).to_dict()
+            (tmp_path / f"{name}.json").write_text(json.dumps(data), encoding="utf-8")
+            names.append(f"{name}.json")
+    shown = invoke("rank", *names, "--first", "1", "--workers", "1", "--out", "out")
+    assert shown.code == 0, shown.err
+    told = json.loads((tmp_path / "out" / "corrections.json").read_text(encoding="utf-8"))
+    assert [(one["place"], one["line"]) for one in told["corrections"]] == [(1, 2), (2, 1)]
+    assert [one["made"] for one in told["lines"]] == [0, 1]
+    assert told["lines"][0]["built"] == told["lines"][0]["checked"]
+    assert told["lines"][1]["built"] != told["lines"][1]["checked"]
+    page = (tmp_path / "out" / "corrections.html").read_text(encoding="utf-8")
+    assert "built-2: dropper 5 of span 2, mast 12-3 to 12-5, km 12.082" in page
+    assert "built-1:" not in page
+
+
+def test_cases_come_in_pairs(invoke: Invoke, tmp_path: Path) -> None:
+    """A design without its line as built, and an empty list for the crew, are refused."""
+    path = tmp_path / "line.json"
+    path.write_text(json.dumps(design(3).to_dict()), encoding="utf-8")
+    odd = invoke("rank", path, path, path)
+    assert (odd.code, "rank line-1.yaml built-1.yaml" in odd.err) == (2, True)
+    none = invoke("rank", path, path, "--first", "0")
+    assert (none.code, "give 1 to 1000" in none.err) == (2, True)
+
+
 def test_refuses_a_line_that_is_as_designed(invoke: Invoke, tmp_path: Path) -> None:
     """Nothing to correct is said with a cure."""
     path = tmp_path / "line.json"
@@ -94,7 +128,7 @@ def test_a_stop_without_a_folder_keeps_nothing(
     def stopped(*_: object, **__: object) -> None:
         raise Interrupted(2)
 
-    monkeypatch.setattr("tautwire.cli.commands.measuring.rank.rank", stopped)
+    monkeypatch.setattr("tautwire.cli.commands.measuring.rank.rank_lines", stopped)
     told = invoke("rank", path, path)
     assert told.code == 130
     assert "nothing was kept" in told.err

@@ -9,14 +9,19 @@ import tomllib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import pytest
 from plotly.offline import get_plotlyjs_version
 
 import tautwire
-from tautwire.report.writers.html import BASIC_TRACES, basic_library
+from tautwire.report.writers.html import LIBRARIES, library_file
 
 CHART_LIBRARY = "4.1.1"
-"""Version of plotly.js-basic-dist-min on the npm registry, and the digest of its script."""
-CHART_LIBRARY_SHA256 = "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba"
+"""Version of plotly.js-basic-dist-min and plotly.js-cartesian-dist-min on the npm registry; below,
+the digests of their scripts."""
+CHART_LIBRARY_SHA256 = {
+    "basic": "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba",
+    "cartesian": "79542150855a52c567260e3137095dbe2b744e6d702a5cabe67da246942fba7a",
+}
 
 
 def test_only_the_command_line_prints(sources: dict[str, ast.Module]) -> None:
@@ -89,14 +94,15 @@ def test_make_check_is_ci(root: Path) -> None:
     assert "run: bash .ci/run" in workflow
 
 
-def test_chart_library_is_the_one_that_is_named(root: Path) -> None:
-    """The basic plotly.js is the published file, unchanged, its licence beside it."""
+@pytest.mark.parametrize("bundle", LIBRARIES)
+def test_chart_library_is_the_one_that_is_named(bundle: str, root: Path) -> None:
+    """A bundle of plotly.js is the published file, unchanged, its licence beside it."""
     folder = root / "src" / "tautwire" / "report" / "templates" / "plotly"
-    script = (folder / "plotly-basic.min.js").read_bytes()
-    assert hashlib.sha256(script).hexdigest() == CHART_LIBRARY_SHA256
-    named = re.search(rb"plotly\.js \(basic - minified\) v([\d.]+)", script[:200])
+    script = (folder / f"plotly-{bundle}.min.js").read_bytes()
+    assert hashlib.sha256(script).hexdigest() == CHART_LIBRARY_SHA256[bundle]
+    named = re.search(rb"plotly\.js \((\w+) - minified\) v([\d.]+)", script[:200])
     assert named
-    assert named[1].decode() == CHART_LIBRARY
+    assert (named[1].decode(), named[2].decode()) == (bundle, CHART_LIBRARY)
     assert (folder / "LICENSE").read_text(encoding="utf-8").startswith("MIT License")
     licences = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
     assert set(licences["project"]["license-files"]) == {
@@ -111,10 +117,11 @@ def test_chart_library_knows_what_the_figures_say() -> None:
     assert spoken.split(".")[0] == CHART_LIBRARY.split(".")[0]
 
 
-def test_basic_traces_are_in_the_basic_library() -> None:
-    """The kinds of traces for which the basic plotly.js is taken are those that it has."""
-    script = basic_library().read_text(encoding="utf-8")
-    assert set(re.findall(r'moduleType:"trace",name:"(\w+)"', script)) == BASIC_TRACES
+@pytest.mark.parametrize("bundle", LIBRARIES)
+def test_traces_of_a_bundle_are_in_it(bundle: str) -> None:
+    """The kinds of traces for which a bundle of plotly.js is taken are those that it has."""
+    script = library_file(bundle).read_text(encoding="utf-8")
+    assert set(re.findall(r'moduleType:"trace",name:"(\w+)"', script)) == LIBRARIES[bundle]
 
 
 def test_a_folder_holds_at_most_twelve_files(root: Path) -> None:

@@ -275,41 +275,25 @@ void test_selection() {
     expect(learn() == 3.0, "what is overlooked is told");
 }
 
-// Average over an element of a function of the slope p and half the curvature h, by a Gauss rule: the
-// middle, then pairs of points t and -t, with the weight of each point.
-template <int N, class F>
-Doubles average_over(const Parabola<Doubles>& f, const double (&points)[N], const double (&weights)[N], F density) {
+// Energy of one element per lane from the formula at the head of element.hpp, by the same rule.
+Doubles energy(const Doubles (&left)[6], const Doubles (&right)[6], const Element& element,
+               double axial, Doubles quadruple_bending) {
+    const Parabola<Doubles> f = parabola(left, right, element.inverse_length);
     Doubles sum = broadcast<Doubles>(0.0);
-    for (int point = 1 - N; point < N; ++point) {
+    for (int point = -2; point <= 2; ++point) {
         const int pair = point < 0 ? -point : point;
-        const double t = point < 0 ? -points[pair] : points[pair];
+        const double t = point < 0 ? -kPoint[pair] : kPoint[pair];
         Doubles p[3], h[3];
         for (int i = 0; i < 3; ++i) {
             p[i] = f.c[0][i] + t * (f.c[1][i] + t * f.c[2][i]);
             h[i] = f.c[1][i] + 2.0 * t * f.c[2][i];
         }
-        sum += weights[pair] * density(p, h);
+        const Doubles P = dot(p, p), H = dot(h, h), Q = dot(p, h), one = broadcast<Doubles>(1.0);
+        const Doubles stretch = P - one;
+        sum += kWeight[pair] * ((0.125 * axial) * stretch * stretch +
+                                0.5 * quadruple_bending * (H / (P * P) - Q * Q / (P * P * P)));
     }
-    return sum;
-}
-
-// Energy of one element per lane from the formula at the head of element.hpp: stretching by five
-// Gauss points, which are exact for it, bending by two.
-Doubles energy(const Doubles (&left)[6], const Doubles (&right)[6], const Element& element,
-               double axial, Doubles quadruple_bending) {
-    constexpr double kFive[3] = {0.0, 0.53846931010568309, 0.90617984593866399};
-    constexpr double kFiveWeights[3] = {0.28444444444444444, 0.23931433524968324, 0.11846344252809454};
-    constexpr double kTwo[2] = {0.0, 0.57735026918962576}, kTwoWeights[2] = {0.0, 0.5};
-    const Parabola<Doubles> f = parabola(left, right, element.inverse_length);
-    const Doubles stretching = average_over(f, kFive, kFiveWeights, [&](const auto& p, const auto&) {
-        const Doubles stretch = dot(p, p) - broadcast<Doubles>(1.0);
-        return (0.125 * axial) * stretch * stretch;
-    });
-    const Doubles bending = average_over(f, kTwo, kTwoWeights, [&](const auto& p, const auto& h) {
-        const Doubles P = dot(p, p), H = dot(h, h), Q = dot(p, h);
-        return 0.5 * quadruple_bending * (H / (P * P) - Q * Q / (P * P * P));
-    });
-    return (stretching + bending) * element.length;
+    return sum * element.length;
 }
 
 // Elastic forces are minus the gradient of the energy.

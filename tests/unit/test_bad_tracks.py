@@ -183,5 +183,27 @@ def test_wire_that_leaves_the_head_sideways_is_told() -> None:
     shape = find_shape(model)
     with pytest.raises(
         ModelError, match=r"leaves the head of pantograph 'front' sideways: in span"
-    ):
+    ) as caught:
         plan_passage(model, shape, case.uplift_forces())
+    assert "settings.start" not in str(caught.value)  # it is off the head in the section too
+
+
+def test_wire_that_leaves_the_track_at_its_ends_needs_a_later_start() -> None:
+    """Where only the ends run off the head, the start that is named lets the passage be."""
+    stagger = [0.95, 0.3, -0.2, 0.2, -0.2, 0.2, -0.3, 0.95]
+    case = make_case(
+        {
+            "include": "ac-simple",
+            "line": {"spans": 7},
+            "supports": {"contact_stagger": stagger},
+            "settings": {"section": [3, 5], "nodes_between_droppers": 4, "graded_mesh": False},
+        }
+    )
+    model = build(case)
+    shape = find_shape(model)
+    with pytest.raises(ModelError, match=r"settings.start: \d+ m") as caught:
+        plan_passage(model, shape, case.uplift_forces())
+    start = int(str(caught.value).split("settings.start: ")[1].split(" m")[0])
+    assert 10 < start < 30
+    later = case.with_(**{"settings.start": float(start)})
+    assert plan_passage(build(later), shape, case.uplift_forces()).duration > 0.0

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tautwire.assessment.coverage import covered
-from tautwire.assessment.measurement import (
+from tautwire.assessment.comparison.coverage import covered
+from tautwire.assessment.comparison.measurement import (
     MeasurementComparison,
     MeasurementRow,
     compare_with_measurement,
@@ -303,9 +303,14 @@ def test_coverage_of_several(run: Run) -> None:
     second = replace(first, case="other", simulated_speed=250 / 3.6, span_lengths=(48.0, 60.0))
     assert covered([first, second]) == {
         "lines": ["other", "synthetic"],
+        "line_types": ["simple"],
         "pantographs": ["front"],
+        "pantograph_masses_kg": [(6.0, 9.0, 5.8)],
         "numbers_of_pantographs": [1],
         "speed_kmh": [250.0, 320.0],
+        "measured_speed_kmh": [pytest.approx(320.0)] * 2,
+        "directions": ["+x"],
+        "tensions_n": {"contact": [22000.0, 22000.0], "messenger": [16000.0, 16000.0]},
         "span_lengths_m": [48.0, 60.0],
         "length_m": pytest.approx(2 * first.length),
     }

@@ -18,9 +18,10 @@ from tautwire.catalogue.entries import list_entries
 from tautwire.cli.app import run_command_line
 from tautwire.errors import InputError
 from tautwire.line.alignment import alignment
+from tautwire.report.figures.packing import simplified
 from tautwire.report.layout_plan.alignment import bends, rises
 from tautwire.report.layout_plan.content import side_in_words
-from tautwire.report.layout_plan.items import LAYERS, spread, text_width, thinned
+from tautwire.report.layout_plan.items import LAYERS, spread, text_width
 from tautwire.report.layout_plan.plan import LayoutPlan
 from tautwire.report.layout_plan.strip import TOLERANCE, Piece, Strip
 from tautwire.specs.project import Project
@@ -423,11 +424,11 @@ def test_thinned_line_stays_within_tolerance() -> None:
     """A parabola of f = 12 mm needs sqrt(f / tolerance) chords; halving takes at most twice."""
     x = np.linspace(0.0, 50.0, 1001)
     points = np.stack([x, 12.0 * ((x - 25.0) / 25.0) ** 2], axis=1)
-    kept = thinned(points, 0.03)
+    kept = simplified(points, 0.03)
     steepest = np.hypot(1.0, 4.0 * 12.0 / 50.0)
     assert np.abs(np.interp(x, *kept.T) - points[:, 1]).max() <= 0.03 * steepest
     assert 1.0 <= (len(kept) - 1) / np.sqrt(12.0 / 0.03) <= 2.0
-    assert len(thinned(np.stack([x, 2.0 * x], axis=1), 0.03)) == 2
+    assert len(simplified(np.stack([x, 2.0 * x], axis=1), 0.03)) == 2
 
 
 def test_sides_are_named() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -28,6 +30,19 @@ def test_thousand_spans_are_laid_out_at_once(share: float | None) -> None:
     assert time.process_time() - begin < 5.0
     assert len(line.hangers) == 9 * SPANS
     assert mesh.node_count > 50 * SPANS
+
+
+def test_line_of_a_case_is_kept_as_long_as_the_case() -> None:
+    """The same case gives the same pieces; another case, though it may be equal, its own; nothing
+    outlives its case."""
+    case = load_case("ac-simple")
+    line = weakref.ref(expand(case))
+    assert expand(case) is line()
+    assert expand(case.with_(**{"line.spans": 18})) is not line()
+    assert expand(load_case("ac-simple")) is not line()
+    del case
+    gc.collect()
+    assert line() is None
 
 
 def test_node_at_a_place_is_the_nearest() -> None:

@@ -107,7 +107,8 @@ def test_histories_are_not_converted(change: str) -> None:
     spoil, words = SPOILT[change]
     system, pantographs = entering(ac_simple(**TWO_SPANS))
     stepper = NativeStepper(core(), system, pantographs, OPTIONS, np.array([2, 14]))
-    known = stepper._known(4, 1e-3).arrays | {"until_crossing": False}
+    asked = {"time_step": 1e-3, "observed": np.array([2, 14]), "until_crossing": False}
+    known = stepper._coming(4, 1e-3).arrays | asked
     histories = {k: np.zeros_like(v) for k, v in stepper._empty_histories(4).items()}
     histories["refused_gap"] = np.zeros(1)
     spoilt = [name for name, array in histories.items() if array.size > 1]

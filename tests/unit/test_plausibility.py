@@ -206,7 +206,7 @@ def test_base_spring_that_takes_the_force() -> None:
     case = line(pantographs=[{"name": "metro", "stages": stages, "static_force": "110 N"}])
     run = run_case(case)
     (text,) = [text for text in run.warnings if text.startswith("mean force: ")]
-    found = re.search(r"presses with ([\d.]+) N .* where 110.0 N act, -(\d+) %", text)
+    found = re.search(r"presses with ([\d.]+) N .* where 110.0 N act, −([\d.]+) %", text)
     assert found is not None
     assert float(found[2]) > 50.0
     assert "40700 N/m" in text

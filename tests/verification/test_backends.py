@@ -297,6 +297,27 @@ def test_rewound_integration_repeats_itself(choice: Any) -> None:
     assert halved.time[-1] == pytest.approx(first.time[-1], rel=1e-12)
 
 
+@pytest.mark.parametrize("choice", ["native", "reference"])
+def test_blocks_of_any_size_are_the_same_passage(choice: Any) -> None:
+    """Steps taken one by one, in growing blocks or at once, with steps of another size tried and
+    taken back between them, give the same numbers to the last bit."""
+    system, pantographs = entering(ac_simple(**TWO_SPANS))
+    options = StepOptions(Newmark(), 1e-3, 2e5, tolerance=3e-8)
+    passages = []
+    for sizes in ([60], [1, 1, 2, 3, 5, 8, 13, 21, 6], [20, 20, 20]):
+        stepper = backend.make_stepper(system, pantographs, options, np.array([2]), choice)
+        blocks = []
+        for size in sizes:
+            mark = stepper.mark()
+            stepper.advance(2, 0.3e-3)
+            stepper.rewind(mark)
+            blocks.append(stepper.advance(size))
+        passages.append(StepBlock.joined(blocks, Status.RUNNING))
+    for other in passages[1:]:
+        np.testing.assert_array_equal(passages[0].time, other.time)
+        np.testing.assert_array_equal(passages[0].stages, other.stages)
+
+
 def test_other_steps_and_uneven_wires() -> None:
     """Both backends agree within 1e-5 N with changing steps on a wire with an uneven surface."""
     x = np.linspace(0.0, 20.0, 401)

@@ -13,7 +13,7 @@ from tautwire.analyses.survey.as_built import with_values
 from tautwire.analyses.survey.corrections import Correction
 from tautwire.analyses.survey.local import felt_at, place_of, simulated
 from tautwire.analyses.survey.part import part_of_line
-from tautwire.analyses.survey.rank import rank
+from tautwire.analyses.survey.rank import rank, rank_lines
 from tautwire.analyses.survey.surveyed_line import SurveyedLine
 from tautwire.errors import InputError
 from tautwire.model.build import build
@@ -118,6 +118,23 @@ def test_the_culprit_comes_first_and_the_gain_is_that_of_a_full_passage(tmp_path
     again = rank(case, built, keep=tmp_path / "passages")
     assert again.cpu == 0.0
     assert again.ranked == ranking.ranked
+
+
+def test_lines_ranked_together_are_those_ranked_alone(tmp_path: Path) -> None:
+    """One list over two tension lengths has the effects of either by itself, in one order."""
+    case = design(3)
+    pairs = [(case, wrong(case, changes)) for changes in ({13: -0.01, 3: 0.006}, {12: 0.02})]
+    together = rank_lines(pairs, keep=tmp_path)
+    for one, pair in zip(together, pairs, strict=True):
+        alone = rank(*pair, keep=tmp_path)
+        assert [(a.correction, a.effect, a.together) for a in one.ranked] == [
+            (a.correction, a.effect, a.together) for a in alone.ranked
+        ]
+        assert one.checked == alone.checked
+    places = {one.place: one.effect for ranking in together for one in ranking.ranked}
+    assert sorted(places) == [1, 2, 3]
+    assert places[1] > places[2] > places[3]
+    assert together[1].ranked[0].place == 1
 
 
 class _StoppedError(Exception):

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 import tautwire as tw
 from tautwire.measured.alignment import Alignment, align
+from tautwire.measured.evaluation import evaluate
+from tautwire.measured.events import force_events, hard_spots
 from tautwire.measured.faults import find_faults, without_faulty_samples
 from tautwire.measured.processing import (
     AerodynamicCorrection,
@@ -21,7 +23,7 @@ from tautwire.measured.processing import (
     process,
 )
 from tautwire.measured.recording import Recording
-from tautwire.measured.summary import force_events, stretch_statistics
+from tautwire.measured.summary import stretch_statistics
 from tautwire.signals.filters import SharpLowpass
 
 from ..recordings import DIALECTS, RATE, SPANS, STRIP_MASS, Truth, passage, record, write_file
@@ -223,6 +225,92 @@ def test_faults_are_named_through_files(kind: str, seeds: range, tmp_path: Path)
         if kind not in {fault.kind for fault in find_faults(recording)}:
             missed.append(seed)
     assert len(missed) <= len(seeds) // 20, missed
+
+
+def _struck(
+    recording: Recording, seed: int, *, has_accelerometers: bool
+) -> tuple[Recording, Array]:
+    """Return a recording with three blows of 8 ms, and where they are [m]."""
+    rng = np.random.default_rng(seed)
+    assert recording.distance is not None
+    count, length = len(recording.time), 8
+    starts = np.sort(rng.choice(np.arange(1, 10), 3, replace=False)) * count // 10
+    blow = np.zeros(count)
+    for start in starts:
+        blow[start : start + length] = np.sin(np.pi * (np.arange(length) + 0.5) / length)
+    shares = 1.0 / len(recording.forces)
+    if has_accelerometers:
+        hardness = rng.uniform(60.0, 300.0)
+        struck = recording.with_(
+            accelerations=recording.accelerations + hardness * blow,
+            forces=recording.forces + shares * STRIP_MASS * hardness * blow,
+        )
+    else:
+        struck = recording.with_(
+            accelerations=np.empty((0, count)),
+            acceleration_strips=np.empty(0, dtype=np.int64),
+            forces=recording.forces + shares * rng.uniform(300.0, 500.0) * blow,
+        )
+    return struck, recording.distance[starts + length // 2]
+
+
+@pytest.mark.parametrize("seeds", ONE_OF_20)
+@pytest.mark.parametrize("has_accelerometers", [True, False])
+def test_hard_spots_are_found_through_files(
+    has_accelerometers: bool, seeds: range, tmp_path: Path
+) -> None:
+    """Blows on the head, three to a run, are found within a metre by the acceleration, or by the
+    force where there is no accelerometer, and nothing else is called hard."""
+    for seed in seeds:
+        struck, places = _struck(_made(seed), seed, has_accelerometers=has_accelerometers)
+        dialect = DIALECTS[seed % len(DIALECTS)]
+        path = write_file(struck, tmp_path / f"{seed}.{_ENDING[dialect]}", dialect)
+        found = evaluate(tw.load_recording(path))
+        hard = [one for one in found.events if one["kind"] == "hard spot"]
+        assert len(hard) == 3, (seed, dialect, hard)
+        assert np.abs([one["position"] for one in hard] - places).max() < 1.0
+        assert {one["unit"] for one in hard} == {"m/s^2" if has_accelerometers else "N"}
+        step = found.steps[-1]
+        assert step["name"] == "hard spots"
+        assert "no clause of a standard" in step["source"]
+
+
+@pytest.mark.parametrize("seeds", RECORDINGS)
+def test_clean_recordings_have_no_hard_spot(seeds: range) -> None:
+    """Noise, vibrating strips and losses of contact are no hard spots, with and without
+    accelerometers; neither is a glitch of one sample in an accelerometer."""
+    for seed in seeds:
+        clean = _made(seed)
+        accelerations = clean.accelerations.copy()
+        accelerations[0, 2000] = 400.0
+        glitch = clean.with_(accelerations=accelerations)
+        bare = clean.with_(
+            accelerations=np.empty((0, len(clean.time))),
+            acceleration_strips=np.empty(0, dtype=np.int64),
+        )
+        force = clean.forces.sum(axis=0)
+        for recording in (clean, glitch, bare):
+            assert hard_spots(recording, force, None)[0] == (), seed
+
+
+def test_a_limit_of_ones_own_for_hard_spots() -> None:
+    """With a given acceleration only what is beyond it is hard, and the step says that it was
+    given; signs less than 5 m apart are one place, the hardest."""
+    time = np.arange(0.0, 4.0, 1e-3)
+    shock = np.zeros(len(time))
+    for start, height in ((500, 300.0), (540, 600.0), (2000, 550.0), (3000, 400.0)):
+        shock[start : start + 6] = height
+    recording = Recording(
+        "struck", time, np.full((1, len(time)), 100.0), np.array([1]), shock[None], np.array([1]),
+        distance=70.0 * time,
+    )  # fmt: skip
+    every, _ = hard_spots(recording, None, 290.0)
+    assert [one.extreme for one in every] == [600.0, 550.0, 400.0]
+    assert every[0].position == pytest.approx(70.0 * 0.54)
+    few, (step,) = hard_spots(recording, None, 490.0)
+    assert [one.extreme for one in few] == [600.0, 550.0]
+    assert step.parameters == {"by": "acceleration of the head", "limit_m_s2": {1: 490.0},
+                               "source": "given"}  # fmt: skip
 
 
 def test_inertia_of_a_free_strip() -> None:

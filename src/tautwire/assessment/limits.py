@@ -176,11 +176,11 @@ class Tolerance(Provenance):
 
     id: str
     name: str
-    quantity: Literal["standard_deviation", "uplift", "contact_height_range"]
+    quantity: Literal["standard_deviation", "uplift", "contact_height_range", "elasticity"]
     relative: bool
     low: float
     high: float
-    unit: Literal["N", "m", "1"]
+    unit: Literal["N", "m", "m/N", "1"]
 
 
 class Limits(Record):

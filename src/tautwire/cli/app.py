@@ -16,6 +16,7 @@ import typer
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.groups.workflow import in_order_of_work
 from tautwire.cli.options import (
+    AccurateOption,
     CaseArgument,
     ConditionOption,
     ErrorOption,
@@ -28,6 +29,7 @@ from tautwire.cli.options import (
     ProjectOption,
     SetOption,
     SystemOption,
+    with_accurate,
     with_condition,
     with_error,
 )
@@ -265,6 +267,7 @@ def run(
     limits: LimitsOption = None,
     project: ProjectOption = None,
     error: ErrorOption = None,
+    accurate: AccurateOption = False,
     pdf: PdfOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -279,7 +282,7 @@ def run(
 
         asked = criteria_of(system, free_uplift, limits)
         written = _reports(html=not no_report, pdf=pdf)
-        values = with_error(with_condition(overrides, condition), error)
+        values = with_accurate(with_error(with_condition(overrides, condition), error), accurate)
         request = RunRequest(case, values, out, asked, written, force, project)
         run_passage(answer, request)
 

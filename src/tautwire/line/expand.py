@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,11 @@ Values = tuple[float, ...]
 Array = NDArray[np.float64]
 
 
+_KNOWN: dict[int, Line] = {}
+"""Lines by the identity of their cases, as long as these live: model, checks and statistics of a
+run read the same line seven times."""
+
+
 def expand(case: Case) -> Line:
     """Return the pieces of the line that a case describes.
 
@@ -62,6 +68,14 @@ def expand(case: Case) -> Line:
     ModelError
         When steady arms have nothing to pull, or a wire has no room to rise; all are named.
     """
+    line = _KNOWN.get(id(case))
+    if line is None:
+        line = _KNOWN[id(case)] = _expanded(case)
+        finalize(case, _KNOWN.pop, id(case), None)
+    return line
+
+
+def _expanded(case: Case) -> Line:
     track = alignment(case.track, case.line)
     whole = plans(case, track)
     parts = [_Expansion(case, plan) for plan in whole]

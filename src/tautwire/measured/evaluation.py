@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tautwire.errors import InputError
+from tautwire.measured.events import Event, force_events, hard_spots
 from tautwire.measured.faults import Fault, find_faults, without_faulty_samples
 from tautwire.measured.processing import (
     AerodynamicCorrection,
@@ -23,12 +24,7 @@ from tautwire.measured.processing import (
     process,
 )
 from tautwire.measured.recording import Array, Recording, Step
-from tautwire.measured.summary import (
-    ForceEvent,
-    StretchStatistics,
-    force_events,
-    stretch_statistics,
-)
+from tautwire.measured.summary import StretchStatistics, stretch_statistics
 from tautwire.plain import Plain, named
 from tautwire.signals.bands import band_name
 from tautwire.signals.filters import Lowpass, SharpLowpass
@@ -68,6 +64,9 @@ class Treatment:
         Force at or below which contact counts as lost.
     high_above : float N or None
         Force above which an event is told; by default mean plus three standard deviations.
+    hard_above : float m/s2 or None
+        Acceleration of the head above which a hard spot is told; by default a multiple of what is
+        usual in the run.
     """
 
     lowpass: Lowpass | None = field(default_factory=SharpLowpass)
@@ -77,6 +76,7 @@ class Treatment:
     stretch: float = 1000.0
     loss_below: float = 0.0
     high_above: float | None = None
+    hard_above: float | None = None
 
 
 @dataclass(frozen=True)
@@ -189,13 +189,16 @@ def evaluate(
     if faults is None:
         faults = find_faults(recording) if len(recording.forces) else ()
     notes, force, stretches, events = list(recording.notes), None, [], []
-    signal, spectrum = None, None
+    signal, spectrum, raw = None, None, None
     if len(recording.forces):
         signal, bands = force_and_bands(recording, faults, asked, notes)
-        spectrum = _spectrum(recording, unfiltered_force(recording, faults, asked))
+        raw = unfiltered_force(recording, faults, asked)
+        spectrum = _spectrum(recording, raw)
         force = _figures(signal, bands)
         events = _events(recording, signal, asked, force)
         stretches = _stretches(recording, signal, asked)
+    hard, looked = hard_spots(recording, None if raw is None else raw.force, asked.hard_above)
+    events = sorted([*events, *hard], key=lambda event: event.start)
     place = chainage_of(recording, signal) if signal is not None else np.empty(0)
     way = recording.distance
     return Evaluation(
@@ -207,7 +210,7 @@ def evaluate(
         highest_frequency=recording.highest_frequency,
         notes=tuple(notes),
         faults=tuple(_told(fault) for fault in faults),
-        steps=tuple(_step(step) for step in (signal.steps if signal is not None else ())),
+        steps=tuple(_step(step) for step in (*(signal.steps if signal else ()), *looked)),
         force=force,
         ranges=_ranges(recording),
         stretches=tuple(vars(one) for one in stretches),
@@ -348,7 +351,7 @@ def _figures(signal: Processed, bands: Array) -> ForceFigures:
 
 def _events(
     recording: Recording, signal: Processed, treatment: Treatment, force: ForceFigures
-) -> list[ForceEvent]:
+) -> list[Event]:
     high = treatment.high_above
     place = chainage_of(recording, signal)
     return list(

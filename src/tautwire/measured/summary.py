@@ -1,13 +1,11 @@
-"""Statistics of a measured force per stretch of line, and the events in it."""
+"""Statistics of a measured force per stretch of line."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tautwire.measured.recording import Array
 
@@ -70,64 +68,3 @@ def stretch_statistics(
             )
         )
     return tuple(found)
-
-
-@dataclass(frozen=True)
-class ForceEvent:
-    """A stretch of time in which the force was beyond a level.
-
-    Attributes
-    ----------
-    kind : str
-        ``"loss"`` or ``"high force"``.
-    start, end : float s
-    position : float m
-        Where it begins.
-    extreme : float N
-    """
-
-    kind: Literal["loss", "high force"]
-    start: float
-    end: float
-    position: float
-    extreme: float
-
-
-def force_events(
-    time: Array,
-    position: Array,
-    force: Array,
-    *,
-    loss_below: float,
-    high_above: float,
-    shortest: float = 0.0,
-) -> tuple[ForceEvent, ...]:
-    """List losses of contact and forces above a limit, in the order of time.
-
-    Parameters
-    ----------
-    time, position, force : (n,) s, m, N
-    loss_below : float N
-        A force at or below it counts as loss; sensors rarely return to exactly zero.
-    high_above : float N
-    shortest : float s
-        Events that are shorter are left out.
-    """
-    found: list[ForceEvent] = []
-    kinds: tuple[tuple[Literal["loss", "high force"], NDArray[np.bool_]], ...] = (
-        ("loss", force <= loss_below),
-        ("high force", force > high_above),
-    )
-    for kind, beyond in kinds:
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]]).astype(np.int8)))
-        for first, after in edges.reshape(-1, 2):
-            end = time[min(after, len(time) - 1)]
-            if end - time[first] < shortest:
-                continue
-            values = force[first:after]
-            extreme = values.min() if kind == "loss" else values.max()
-            found.append(
-                ForceEvent(kind, float(time[first]), float(end), float(position[first]),
-                           float(extreme))
-            )  # fmt: skip
-    return tuple(sorted(found, key=lambda event: event.start))

@@ -1,11 +1,13 @@
-"""A survey of a line: heights, lengths and staggers at places, each with its accuracy."""
+"""A survey of a line: heights, lengths, staggers, elasticity and uplift at places."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-Quantity = Literal["contact height", "messenger height", "dropper length", "stagger"]
+Quantity = Literal[
+    "contact height", "messenger height", "dropper length", "stagger", "elasticity", "uplift"
+]
 
 
 @dataclass(frozen=True)
@@ -16,8 +18,9 @@ class Reading:
     ----------
     quantity : str
     value : float m
+        Elasticity in m/N.
     accuracy : float m
-        Standard deviation of its error.
+        Standard deviation of its error; NaN for elasticity and uplift that have none of their own.
     span, dropper : int or None
         Of the dropper at which it was taken, both from 1.
     support : int or None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from tautwire.model.irregularity import surface_profile
 from tautwire.numerics.motion.pantograph import PantographChain
 from tautwire.numerics.motion.stepper import PantographInput, RoofMotion
 from tautwire.results.equilibrium import Equilibrium
+from tautwire.specs.case import Case
 from tautwire.specs.pantograph import Air, Pantograph
 
 Array = NDArray[np.float64]
@@ -203,8 +205,26 @@ def _check_sideways(model: Model, shape: Equilibrium) -> None:
         f"track, and half the head is {0.5 * shortest.head_length:g} m; change the stagger there "
         "(supports.contact_stagger; in a curve the wires run inside the arc between supports), "
         "make the spans shorter (line.span_length) or give the head its length "
-        "(pantographs.head_length)"
+        f"(pantographs.head_length){_later_start(case, s[beside > 0.5 * shortest.head_length])}"
     )
+
+
+def _later_start(case: Case, missed: Array) -> str:
+    """Return a start from which no head misses the wire, as a further cure; empty if there is none.
+
+    Parameters
+    ----------
+    case
+    missed : (n,) m
+        Places where the wire does not lie on the head. A start counts from either end of the line.
+    """
+    length, x = case.line.length(), case.line.support_positions()
+    first, last = case.resolved_section()
+    start = math.floor(float(np.minimum(missed, length - missed).max())) + 2  # beyond its point
+    is_before = missed < x[first - 1]
+    if not np.all(is_before | (missed > x[last])) or start > min(x[first - 1], length - x[last]):
+        return ""
+    return f"; or begin the passage where the wire lies on the head (settings.start: {start} m)"
 
 
 def _check_length(model: Model, duration: float) -> None:

@@ -1,4 +1,4 @@
-"""Newmark and HHT-alpha time integration.
+"""Newmark and HHT-alpha time integration, and what is extrapolated from Newmark's.
 
 With the unknown ``a`` at the end of the step::
 
@@ -73,4 +73,34 @@ class HHT:
         return f"HHT-alpha (alpha {self.alpha:g})"
 
 
-Integrator = Newmark | HHT
+@dataclass(frozen=True)
+class Extrapolated:
+    """Newmark's method with half and with quarter steps, extrapolated to steps of no length.
+
+    Order 4 where the motion is smooth (:mod:`tautwire.numerics.motion.extrapolated_stepper`).
+    """
+
+    base: Newmark = Newmark()
+    order: int = 4
+
+    @property
+    def alpha(self) -> float:
+        """HHT parameter of both parts."""
+        return self.base.alpha
+
+    @property
+    def beta(self) -> float:
+        """Newmark parameter beta of both parts."""
+        return self.base.beta
+
+    @property
+    def gamma(self) -> float:
+        """Newmark parameter gamma of both parts."""
+        return self.base.gamma
+
+    def describe(self) -> str:
+        """Name with parameters, as written to results."""
+        return f"{self.base.describe()}, extrapolated from half and quarter steps"
+
+
+Integrator = Newmark | HHT | Extrapolated

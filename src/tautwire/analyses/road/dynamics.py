@@ -22,11 +22,12 @@ from tautwire.numerics.events.step_control import ConstantStep, StepControl, Tas
 from tautwire.numerics.motion.backend import Choice, backend_of, make_stepper
 from tautwire.numerics.motion.dispersion import wave_stiffening
 from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
-from tautwire.numerics.newmark import HHT, Integrator, Newmark
+from tautwire.numerics.newmark import HHT, Extrapolated, Integrator, Newmark
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.results.irregularity import DrawnIrregularities
 from tautwire.results.provenance import provenance
 from tautwire.results.run import Run
+from tautwire.specs.case import Case
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -91,7 +92,7 @@ class Choices:
 
     Attributes
     ----------
-    integrator : Newmark or HHT, optional
+    integrator : Newmark, HHT or Extrapolated, optional
     stepping : ConstantStep, VariableStep or AdaptiveStep, optional
     uplift_forces : tuple of float N, optional
         One per pantograph.
@@ -126,7 +127,7 @@ class Simulation:
         choices = choices or Choices()
         settings = model.case.settings
         self.model, self.shape = model, shape
-        self.integrator = choices.integrator or _integrator(model)
+        self.integrator = choices.integrator or integrator_of(model.case)
         self.stepping = choices.stepping or _stepping(model)
         forces = choices.uplift_forces or model.case.uplift_forces()
         self.passage: Passage = plan_passage(model, shape, forces)
@@ -218,7 +219,7 @@ def simulate(
     shape
         Its static state.
     integrator
-        Newmark or HHT; ``settings.integrator`` by default.
+        Newmark, HHT or Extrapolated; ``settings.integrator`` by default.
     stepping
         Step control; ``settings.step_control`` with ``settings.time_step`` by default.
     uplift_forces
@@ -274,8 +275,11 @@ def carried_out(simulation: Simulation, watch: Callable[[Progress], bool] | None
     return run
 
 
-def _integrator(model: Model) -> Integrator:
-    spec = model.case.settings.integrator
+def integrator_of(case: Case) -> Integrator:
+    """Return the time integration that a case asks for."""
+    spec = case.settings.integrator
+    if spec.method == "extrapolated":
+        return Extrapolated()
     return HHT(spec.alpha) if spec.method == "hht" else Newmark()
 
 

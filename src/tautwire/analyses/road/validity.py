@@ -58,9 +58,10 @@ def _mean_forces(run: Run) -> Iterator[str]:
             continue
         mean = float(record.contact_force[inside].mean())
         if abs(mean - acting) > MEAN_FORCE_SHARE * acting:
+            off = f"{100.0 * (mean / acting - 1.0):+.1f}".replace("-", "−")
             yield (
                 f"mean force: pantograph {record.name!r} presses with {mean:.1f} N in the analysed "
-                f"section where {acting:.1f} N act, {100.0 * (mean / acting - 1.0):+.0f} % (usual: "
+                f"section where {acting:.1f} N act, {off} % (usual: "
                 f"within {100.0 * MEAN_FORCE_SHARE:g} %); the spring on its roof takes the rest: "
                 f"check the stiffness of its last stage ({spec.stages[-1].stiffness:g} N/m; most "
                 "lie between 0 and 200 N/m) and its working_height"

@@ -100,11 +100,6 @@ def corrections_of(line: SurveyedLine, values: Array, least: float) -> list[Corr
         As built.
     least : float m
         Deviations below this are left alone.
-
-    Raises
-    ------
-    InputError
-        When nothing deviates by as much.
     """
     design, found = line.design.values, []
     for row, hanger in enumerate(line.model.line.hangers):
@@ -116,14 +111,8 @@ def corrections_of(line: SurveyedLine, values: Array, least: float) -> list[Corr
         for number in supports:
             found.append((kind, number, number, masts[number - 1], row))
             row += 1
-    wanted = [
+    return [
         Correction(row, kind, span, number, x, float(values[row]), float(design[row]))
         for kind, span, number, x, row in found
         if abs(values[row] - design[row]) >= least
     ]
-    if not wanted:
-        raise InputError(
-            f"rank: nothing deviates from the design by {1e3 * least:g} mm or more; choose a "
-            "smaller --least"
-        )
-    return wanted

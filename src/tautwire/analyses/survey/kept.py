@@ -5,14 +5,22 @@ from __future__ import annotations
 import io
 import os
 import signal
-from collections.abc import Iterator, Sequence, Set
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    as_completed,
+    wait,
+)
 from contextlib import contextmanager
+from itertools import starmap
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -20,6 +28,11 @@ import numpy as np
 from tautwire.analyses.survey.local import Felt, Passage, Place, felt_at
 from tautwire.files import write_whole
 
+_Result = TypeVar("_Result")
+
+_UNDER_WAY = 64
+"""Places that are handed to the processes at a time: enough for each to have one waiting on the
+largest machines, and a hundred cases take megabytes."""
 _FELT = ("position", "raw", "filtered", "uplift")
 _PASSAGE = ("position", "raw", "filtered", "uplift", "cpu")
 
@@ -59,14 +72,38 @@ def _terminate(others: Set[BaseProcess]) -> None:
         process.terminate()
 
 
+def in_order(
+    pool: Executor | None, function: Callable[..., _Result], arguments: Sequence[tuple[Any, ...]]
+) -> Iterator[_Result]:
+    """Call a function with several sets of arguments, side by side where there are processes.
+
+    Parameters
+    ----------
+    pool
+        From :func:`processes`.
+    function, arguments
+
+    Yields
+    ------
+    object
+        What it returns, in the order of the arguments.
+    """
+    if pool is None:
+        yield from starmap(function, arguments)
+        return
+    futures = [pool.submit(function, *own) for own in arguments]
+    yield from (future.result() for future in futures)
+
+
 def computed(
-    places: Sequence[Place], pool: Executor | None, folder: Path | None
+    places: Iterable[Place], pool: Executor | None, folder: Path | None
 ) -> Iterator[tuple[int, tuple[Felt, ...], float]]:
     """Compute what is felt at some places, or take it from where it is kept.
 
     Parameters
     ----------
     places
+        Asked for as they are needed: those of a long line would fill the memory.
     pool
         From :func:`processes`.
     folder : Path or None
@@ -81,20 +118,20 @@ def computed(
     cpu : float s
         Processor time that was spent now.
     """
-    left = []
+    under_way: dict[Future[tuple[tuple[Felt, ...], float]], int] = {}
     for number, place in enumerate(places):
         kept = None if folder is None else _kept(place, folder)
-        if kept is None:
-            left.append(number)
-        else:
+        if kept is not None:
             yield number, kept, 0.0
-    if pool is None:
-        for number in left:
-            yield number, *_computed(places[number], folder)
-        return
-    numbers = {pool.submit(_computed, places[number], folder): number for number in left}
-    for future in as_completed(numbers):
-        yield numbers[future], *future.result()
+        elif pool is None:
+            yield number, *_computed(place, folder)
+        else:
+            under_way[pool.submit(_computed, place, folder)] = number
+        if len(under_way) >= _UNDER_WAY:
+            for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                yield under_way.pop(future), *future.result()
+    for future in as_completed(under_way):
+        yield under_way[future], *future.result()
 
 
 def _begin() -> None:

@@ -118,7 +118,13 @@ class Place:
 
 
 def place_of(
-    line: SurveyedLine, case: Case, values: Array, span: int, corrections: Sequence[Correction]
+    line: SurveyedLine,
+    case: Case,
+    values: Array,
+    span: int,
+    corrections: Sequence[Correction],
+    *,
+    least_step: float = 0.0,
 ) -> Place:
     """Cut out what is needed for the corrections of a span.
 
@@ -134,6 +140,8 @@ def place_of(
         From 1.
     corrections
         Those of this span.
+    least_step : float s
+        Time step of the passages where that of the case is shorter.
     """
     count = case.line.spans
     before, behind = BEFORE, BEHIND
@@ -148,7 +156,7 @@ def place_of(
         own = values.copy()
         if one is not None:
             own[one.row] = one.design
-        cases.append(_part(with_values(case, line, own), *ends))
+        cases.append(_part(with_values(case, line, own), *ends, least_step))
     return Place(
         built=cases[0],
         corrected=tuple(cases[1:]),
@@ -157,13 +165,14 @@ def place_of(
     )
 
 
-def _part(case: Case, first: int, last: int) -> Case:
+def _part(case: Case, first: int, last: int, least_step: float) -> Case:
     """Return the spans around a place, under the first pantograph alone."""
     part = part_of_line(case, first, last)
     return part.with_(
         **{
             "pantographs": part.pantographs[:1],
             "scenario.uplift_force": case.uplift_forces()[0],
+            "settings.time_step": max(case.settings.step(), least_step),
         }
     )
 

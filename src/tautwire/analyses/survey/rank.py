@@ -1,45 +1,41 @@
-"""Corrections of a line as built, in the order of what they do to the contact force.
+"""Corrections of lines as built, in the order of what they do to the contact force.
 
 What a correction does is found by passages over the spans around it; see
 :mod:`tautwire.analyses.survey.local`. The first ten are computed once more, each on the line on
 which those before it are made: what two of them do together is not the sum of what each does alone.
 The changes of the force, added up, predict standard deviation, maximum, minimum and loss. What the
-first ten really gain is computed by a passage over the whole line.
+first ten really gain is computed by a passage over the whole line. Several tension lengths are
+ranked in one list.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.road.pipeline import run_line
-from tautwire.analyses.road.shape import find_design
-from tautwire.analyses.survey.as_built import with_values
-from tautwire.analyses.survey.corrections import (
-    LEAST,
-    Correction,
-    built_values,
-    corrections_of,
-)
-from tautwire.analyses.survey.kept import computed, keep_passage, kept_passage, processes
-from tautwire.analyses.survey.local import Felt, Passage, place_of, simulated
-from tautwire.analyses.survey.surveyed_line import SurveyedLine
-from tautwire.model.build import Model, build
-from tautwire.model.passage import working_height
-from tautwire.results.equilibrium import Equilibrium
+from tautwire.analyses.survey.corrections import LEAST, Correction
+from tautwire.analyses.survey.kept import computed, in_order, processes
+from tautwire.analyses.survey.local import Felt, Passage, Place, place_of
+from tautwire.analyses.survey.whole import WholeLine, settled, whole_line, whole_passage
+from tautwire.errors import InputError
 from tautwire.specs.case import Case
 
 Array = NDArray[np.float64]
 
 TOGETHER = 10
-"""Corrections that are listed for the crew and checked together by a full passage."""
+"""Corrections that are listed for the crew and checked together by full passages."""
+
+ORDER_STEP = 2e-3
+"""Least time step of the passages that give the order [s]. Up to 20 Hz it changes the size of what
+a correction does by 1 % in the median and 5 % at most, and the change itself by 6 to 12 % of its
+root mean square; that only some spans are passed makes 18 %. With 3 ms both are 1.6 times as
+large."""
 
 
 @dataclass(frozen=True)
@@ -66,19 +62,22 @@ class Ranked:
     Attributes
     ----------
     correction : Correction
+    place : int
+        In the list over all lines, from 1.
     effect : float N
         By how much it changes the force up to 20 Hz: root mean square of all of the change, as if
         it were spread over a span of mean length.
     alone : Figures
         Figures of the line with this correction alone, predicted.
     together : Figures
-        With this and all corrections before it in the list, predicted: each of the first ten from
-        what it does after those before it, the others from what they do alone.
+        With this and all corrections of the line before it in the list, predicted: each of the
+        first ten from what it does after those before it, the others from what they do alone.
     uplift : float m
         Change of the largest uplift at the supports around it.
     """
 
     correction: Correction
+    place: int
     effect: float
     alone: Figures
     together: Figures
@@ -87,7 +86,7 @@ class Ranked:
 
 @dataclass(frozen=True, eq=False)
 class Ranking:
-    """Corrections in order of what they do.
+    """Corrections of one line in order of what they do.
 
     Attributes
     ----------
@@ -97,10 +96,12 @@ class Ranking:
         As it stands.
     ranked : tuple of Ranked
         The largest effect first.
+    made : int
+        How many of them are among the first of the list over all lines.
     checked : Figures
-        Of a full passage with the first ten corrections made: computed, not predicted.
+        Of a full passage with these made: computed, not predicted.
     passages : int
-        Over some spans; two over the whole line come on top.
+        Over some spans; those over the whole line come on top.
     length : float m
     cpu : float s
         Processor time that was spent now on passages.
@@ -109,6 +110,7 @@ class Ranking:
     case: Case
     built: Figures
     ranked: tuple[Ranked, ...]
+    made: int
     checked: Figures
     passages: int
     length: float
@@ -153,105 +155,188 @@ def rank(
     ConvergenceError
         When a passage fails.
     """
-    line = SurveyedLine(build(design.with_condition(None)))
-    whole = _Whole(line, built, keep)
-    whole.values = built_values(line, design, built)
-    corrections = corrections_of(line, whole.values, least)
-    ordered = sorted(corrections, key=lambda one: (one.span, one.row))
-    by_span = [list(own) for _, own in groupby(ordered, key=lambda one: one.span)]
+    pairs = [(design, built)]
+    return rank_lines(pairs, least=least, workers=workers, keep=keep, watch=watch)[0]
+
+
+def rank_lines(
+    lines: Sequence[tuple[Case, Case]],
+    *,
+    least: float = LEAST,
+    first: int = TOGETHER,
+    workers: int = 1,
+    keep: Path | None = None,
+    watch: Callable[[int, int], None] | None = None,
+) -> tuple[Ranking, ...]:
+    """Rank the corrections of several tension lengths in one list.
+
+    Parameters
+    ----------
+    lines : sequence of (Case, Case)
+        Design and line as built of each.
+    least, workers, keep, watch
+        See :func:`rank`.
+    first : int
+        Corrections of the list that are made together, each in its line, to compute what they
+        gain.
+
+    Returns
+    -------
+    tuple of Ranking
+        One per line.
+
+    Raises
+    ------
+    InputError
+        When two lines of a pair differ in more than lengths and heights, or nothing deviates.
+    ConvergenceError
+        When a passage fails.
+    """
+    wholes = _whole_lines(lines, least)
     with processes(workers) as pool:
-        felt, cpu = _felt(whole, [(whole.values, own) for own in by_span], pool, watch)
-        found = sorted(felt, key=lambda one: (-felt[one].energy, one.row))
-        first = found[:TOGETHER]
-        after, more = _felt(whole, list(_one_after_another(whole.values, first)), pool, None)
-    base, section = whole.passage(()), _section(line, whole.case)
+        work = _Work(wholes, pool, keep)
+        felt = work.felt(work.by_span(), ORDER_STEP, watch)
+        order = sorted(felt, key=lambda one: (-work.effect(one, felt[one]), one[0], one[1].row))
+        after = work.felt(work.one_after_another(order[:first]), 0.0, None)
+        passages = work.full(order[:first])
+    found: list[list[_Found]] = [[] for _ in wholes]
+    for place, one in enumerate(order, 1):
+        effect = work.effect(one, felt[one])
+        found[one[0]].append(_Found(one[1], place, effect, felt[one], after.get(one)))
+    parts = zip(work.wholes, found, passages, work.cpu, strict=True)
+    return tuple(_ranking(*part) for part in parts)
+
+
+def _whole_lines(lines: Sequence[tuple[Case, Case]], least: float) -> list[WholeLine]:
+    """Return the lines; all that is wrong with them is told at once."""
+    wholes, problems = [], []
+    for design, built in lines:
+        try:
+            wholes.append(whole_line(design, built, least))
+        except InputError as error:
+            problems += [f"{built.name}: {text}" for text in error.problems]
+    if problems:
+        raise InputError(problems)
+    if not any(whole.corrections for whole in wholes):
+        raise InputError(
+            f"rank: nothing deviates from the design by {1e3 * least:g} mm or more; choose a "
+            "smaller --least"
+        )
+    return wholes
+
+
+_Mark = tuple[int, Correction]
+"""Number of the line, from 0, and a correction of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Wanted:
+    """Corrections of one span, each to be made alone on a line as it stands then."""
+
+    line: int
+    values: Array
+    corrections: tuple[Correction, ...]
+
+
+class _Work:
+    """Passages of some lines, computed or taken from where they are kept, and what they cost."""
+
+    def __init__(
+        self, wholes: Sequence[WholeLine], pool: Executor | None, keep: Path | None
+    ) -> None:
+        self.pool, self.keep = pool, keep
+        settling = list(in_order(pool, settled, [(one.case,) for one in wholes]))
+        self.wholes = [replace(a, case=b) for a, (b, _) in zip(wholes, settling, strict=True)]
+        self.cpu = [cpu for _, cpu in settling]
+
+    def effect(self, mark: _Mark, felt: Felt) -> float:
+        """Return what the order is made by [N], see :class:`Ranked`."""
+        return float(np.sqrt(felt.energy / self.wholes[mark[0]].mean_span))
+
+    def by_span(self) -> list[_Wanted]:
+        """Return all corrections, span by span, on the lines as built."""
+        wanted = []
+        for number, whole in enumerate(self.wholes):
+            ordered = sorted(whole.corrections, key=lambda one: (one.span, one.row))
+            for _, own in groupby(ordered, key=lambda one: one.span):
+                wanted.append(_Wanted(number, whole.values, tuple(own)))
+        return wanted
+
+    def one_after_another(self, order: Sequence[_Mark]) -> list[_Wanted]:
+        """Return corrections, each with the line on which those before it are made."""
+        wanted = []
+        for count, (number, one) in enumerate(order):
+            before = [other for line, other in order[:count] if line == number]
+            wanted.append(_Wanted(number, self.wholes[number].values_with(before), (one,)))
+        return wanted
+
+    def felt(
+        self,
+        wanted: Sequence[_Wanted],
+        least_step: float,
+        watch: Callable[[int, int], None] | None,
+    ) -> dict[_Mark, Felt]:
+        """Return what corrections do, from passages with at least a time step [s]."""
+        found: dict[_Mark, Felt] = {}
+        if watch is not None:
+            watch(0, len(wanted))
+        places = (self._place(one, least_step) for one in wanted)
+        for count, (at, felt, cpu) in enumerate(computed(places, self.pool, self.keep), 1):
+            line = wanted[at].line
+            marks = [(line, one) for one in wanted[at].corrections]
+            found.update(zip(marks, felt, strict=True))
+            self.cpu[line] += cpu
+            if watch is not None:
+                watch(count, len(wanted))
+        return found
+
+    def _place(self, wanted: _Wanted, least_step: float) -> Place:
+        whole, own = self.wholes[wanted.line], wanted.corrections
+        values, span = wanted.values, own[0].span
+        return place_of(whole.line, whole.case, values, span, own, least_step=least_step)
+
+    def full(self, made: Sequence[_Mark]) -> list[tuple[Passage, Passage]]:
+        """Return the passages over each line as built, and with its part of some corrections."""
+        wanted = []
+        for number, whole in enumerate(self.wholes):
+            own = [one for line, one in made if line == number]
+            cases = [whole.case, whole.corrected(own)] if own else [whole.case]
+            wanted += [(number, case) for case in cases]
+        found: list[list[Passage]] = [[] for _ in self.wholes]
+        done = in_order(self.pool, whole_passage, [(case, self.keep) for _, case in wanted])
+        for (number, _), (passage, cpu) in zip(wanted, done, strict=True):
+            found[number].append(passage)
+            self.cpu[number] += cpu
+        return [(own[0], own[-1]) for own in found]
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A correction with its place in the list, and what it does alone and after those before it."""
+
+    correction: Correction
+    place: int
+    effect: float
+    alone: Felt
+    after: Felt | None
+
+
+def _ranking(
+    whole: WholeLine, found: Sequence[_Found], passages: tuple[Passage, Passage], cpu: float
+) -> Ranking:
+    """Return what is told about one line."""
+    base, section = passages[0], whole.section
+    made = sum(one.after is not None for one in found)
     return Ranking(
         case=whole.case,
         built=_figures(base, section),
-        ranked=_ranked(base, section, [(one, felt[one], after.get(one)) for one in found], line),
-        checked=_figures(whole.passage(first), section),
-        passages=len(corrections) + len(by_span) + 2 * len(first),
-        length=line.model.line.masts[-1],
-        cpu=cpu + more + whole.cpu,
+        ranked=_ranked(base, section, found),
+        made=made,
+        checked=_figures(passages[1], section),
+        passages=len(found) + len({one.correction.span for one in found}) + 2 * made,
+        length=whole.length,
+        cpu=cpu,
     )
-
-
-class _Whole:
-    """The whole line as built; computes its passages or takes those that are kept."""
-
-    def __init__(self, line: SurveyedLine, built: Case, keep: Path | None) -> None:
-        self.line, self.keep, self.cpu = line, keep, 0.0
-        self.values = line.design.values
-        built = built.with_condition(None)
-        model = build(built)
-        shape = find_design(model)
-        if built.scenario.target_mean_force() is not None:
-            built = self._tuned(built, model, shape)
-        height = working_height(model, shape)
-        self.case = built.with_(pantographs=[
-            one if one.working_height is not None else one.with_(working_height=height)
-            for one in built.pantographs
-        ])  # fmt: skip
-
-    def _tuned(self, built: Case, model: Model, shape: Equilibrium) -> Case:
-        """Return the case with the uplift forces that its mean force needs."""
-        run = run_line(model, shape)
-        self.cpu += float(run.counters["cpu_s"])
-        forces = [float(record.uplift_force) for record in run.pantographs]
-        changes: dict[str, Any] = {"scenario.mean_force": None, "scenario.uplift_force": forces}
-        return built.with_(**changes)
-
-    def passage(self, corrections: Sequence[Correction]) -> Passage:
-        """Return the passage with some corrections made."""
-        values = self.values.copy()
-        for one in corrections:
-            values[one.row] = one.design
-        case = with_values(self.case, self.line, values)
-        path = None if self.keep is None else self.keep / f"{case.hash()[:32]}.npz"
-        found = None if path is None else kept_passage(path)
-        if found is None:
-            found = simulated(case)
-            self.cpu += found.cpu
-            if path is not None:
-                keep_passage(path, found)
-        return found
-
-
-def _one_after_another(
-    values: Array, corrections: Sequence[Correction]
-) -> Iterator[tuple[Array, list[Correction]]]:
-    """Yield corrections, each with the line on which those before it are made."""
-    here = values
-    for one in corrections:
-        yield here, [one]
-        here = here.copy()
-        here[one.row] = one.design
-
-
-def _felt(
-    whole: _Whole,
-    wanted: Sequence[tuple[Array, list[Correction]]],
-    pool: Executor | None,
-    watch: Callable[[int, int], None] | None,
-) -> tuple[dict[Correction, Felt], float]:
-    """Return what corrections of a span do on a line, and the processor time it took [s]."""
-    places = [place_of(whole.line, whole.case, values, own[0].span, own) for values, own in wanted]
-    if watch is not None:
-        watch(0, len(places))
-    found: dict[Correction, Felt] = {}
-    spent = 0.0
-    done = computed(places, pool, whole.keep)
-    for count, (number, felt, cpu) in enumerate(done, 1):
-        found.update(zip(wanted[number][1], felt, strict=True))
-        spent += cpu
-        if watch is not None:
-            watch(count, len(places))
-    return found, spent
-
-
-def _section(line: SurveyedLine, case: Case) -> tuple[float, float]:
-    first, last = case.resolved_section()
-    return line.model.line.masts[first - 1], line.model.line.masts[last]
 
 
 def _figures(passage: Passage, section: tuple[float, float]) -> Figures:
@@ -277,28 +362,24 @@ def _with(base: Passage, felt: Felt) -> Passage:
 
 
 def _ranked(
-    base: Passage,
-    section: tuple[float, float],
-    found: Sequence[tuple[Correction, Felt, Felt | None]],
-    line: SurveyedLine,
+    base: Passage, section: tuple[float, float], found: Sequence[_Found]
 ) -> tuple[Ranked, ...]:
     """Return the corrections with their figures, in the order in which they are given.
 
     That is the order of the effect, not of the gain of a figure: two deviations may make up for
     each other, and the larger one is to be set right first all the same.
     """
-    masts = line.model.line.masts
-    mean_span = masts[-1] / (len(masts) - 1)
     ranked, here = [], base
-    for one, alone, after in found:
-        here = _with(here, after or alone)
+    for one in found:
+        here = _with(here, one.after or one.alone)
         ranked.append(
             Ranked(
-                correction=one,
-                effect=float(np.sqrt(alone.energy / mean_span)),
-                alone=_figures(_with(base, alone), section),
+                correction=one.correction,
+                place=one.place,
+                effect=one.effect,
+                alone=_figures(_with(base, one.alone), section),
                 together=_figures(here, section),
-                uplift=alone.uplift,
+                uplift=one.alone.uplift,
             )
         )
     return tuple(ranked)

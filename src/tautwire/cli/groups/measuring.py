@@ -57,6 +57,24 @@ MassOption = Annotated[
         show_default=False,
     ),
 ]
+PointsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--points",
+        metavar="FILE",
+        help="Elasticity and uplift measured at supports, droppers or mid-span, CSV or XLSX.",
+        show_default=False,
+    ),
+]
+ElasticityForceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--elasticity-force",
+        metavar="FORCE",
+        help="Force under which elasticity was measured; that of the case by default.",
+        show_default=False,
+    ),
+]
 
 
 def measured(
@@ -82,6 +100,16 @@ def measured(
             show_default=False,
         ),
     ] = None,
+    hard: Annotated[
+        str | None,
+        typer.Option(
+            "--hard",
+            metavar="ACCELERATION",
+            help="Acceleration of the head above which a hard spot is listed, as in '490 m/s2'; "
+            "seven times what is usual in the run by default.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -101,7 +129,7 @@ def measured(
         from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
-            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high
+            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high, hard
         )
         show_recording(answer, request, out)
 
@@ -142,6 +170,8 @@ def compare(
     strip_mass: MassOption = None,
     filtered: FilteredOption = False,
     limits: LimitsOption = None,
+    points: PointsOption = None,
+    elasticity_force: ElasticityForceOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -163,7 +193,7 @@ def compare(
 
         masses = tuple(strip_mass or ())  # the path is that of each recording
         reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
-        asked = (tuple(pantograph or ()), offset, search, limits, project)
+        asked = (tuple(pantograph or ()), offset, search, limits, points, elasticity_force, project)
         request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)
 
@@ -220,16 +250,28 @@ def as_built(
 
 
 def rank(
-    case: CaseArgument,
-    built: Annotated[
-        str,
-        typer.Argument(metavar="BUILT", help="The line as built, as 'as-built' writes it."),
+    cases: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="CASE BUILT...",
+            help="The design, and the line as built, as 'as-built' writes it; of several tension "
+            "lengths one pair after the other.",
+            show_default=False,
+        ),
     ],
     set_: SetOption = None,
     least: Annotated[
         str | None,
         typer.Option(
             "--least", metavar="LENGTH", help="Least deviation that is looked at, 3 mm by default.",
+            show_default=False,
+        ),
+    ] = None,
+    first: Annotated[
+        int | None,
+        typer.Option(
+            "--first", metavar="N",
+            help="Corrections for the crew, 10 by default; what they gain together is computed.",
             show_default=False,
         ),
     ] = None,
@@ -251,8 +293,11 @@ def rank(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Rank corrections of a line as built by what they do to the contact force."""
+    """Rank corrections of a line as built by what they do to the contact force.
+
+    Several tension lengths make one list.
+    """
     with answering(as_json) as answer:
         from tautwire.cli.commands.measuring.rank import RankRequest, show_ranking
 
-        show_ranking(answer, RankRequest(case, built, set_ or [], least, workers), out)
+        show_ranking(answer, RankRequest(cases, set_ or [], least, first, workers), out)

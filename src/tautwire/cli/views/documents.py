@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.analyses.road.dynamics import integrator_of
 from tautwire.assessment.checks import Check
-from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_state, stays_of
 from tautwire.results.accuracy import Accuracy, rounded
 from tautwire.results.equilibrium import Elasticity, Equilibrium
@@ -54,8 +54,6 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
         What was computed; without it the choices of the case are named.
     """
     settings = case.settings
-    method = settings.integrator
-    chosen = HHT(method.alpha) if method.method == "hht" else Newmark()
     used = {} if run is None else run.counters
     condition = case.chosen_condition
     return {
@@ -69,7 +67,7 @@ def conventions(case: Case, backend: str, run: Run | None = None) -> dict[str, A
         "nodes_between_droppers": settings.nodes_between_droppers,
         "time_step_s": settings.step(),
         "step_control": used.get("step_control", settings.step_control.method),
-        "integrator": used.get("integrator", chosen.describe()),
+        "integrator": used.get("integrator", integrator_of(case).describe()),
         "backend": backend,
         "damping": {
             "mass_1_per_s": case.line.damping.mass,

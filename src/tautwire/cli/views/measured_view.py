@@ -10,6 +10,7 @@ from tautwire.cli.views.tables import facts, heading, table
 from tautwire.measured.evaluation import Evaluation
 from tautwire.report.parts.recordings.measured import (
     COUNTED,
+    EVENTS,
     event_rows,
     figure_rows,
     range_rows,
@@ -47,10 +48,10 @@ def evaluation_view(found: Evaluation) -> list[Any]:
             table(("", "", ""), "Lrl", figure_rows(found.force, found.highest_frequency)),
             heading("Stretches"),
             table(*COUNTED, _few(stretch_rows(found))),
-            heading("Events", f"{len(found.events)}"),
-            table(("", "position [m]", "duration [ms]", "extreme [N]"), "lrrr",
-                  _few(event_rows(found))),
-        ]  # fmt: skip
+        ]
+    if found.events or found.force is not None:
+        rows = _few(event_rows(found))
+        parts += [heading("Events", f"{len(found.events)}"), table(EVENTS, "lrrr", rows)]
     if found.ranges:
         heads = ("channel", "least", "mean", "largest", "missing")
         parts += [heading("Other channels"), table(heads, "Lrrrr", range_rows(found))]

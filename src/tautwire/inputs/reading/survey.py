@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,11 @@ _HEADINGS = {
     "dropper length": ("m", ("length", "hängerlänge", "länge", "longueur", "longitud")),
     "stagger": ("m", ("contact stagger", "zickzack", "seitenlage", "désaxement",
                       "descentramiento")),
+    "elasticity": ("m/N", ("elastizität", "élasticité", "elasticidad", "elasticità", "elastisitet",
+                           "elasticitet", "弹性")),
+    "uplift": ("m", ("anhub", "soulèvement", "elevación", "sollevamento", "oppløft", "upplyft",
+                     "抬升", "抬升量")),
+    "point": (TEXT, ("point in span", "place", "stelle", "punkt", "punto", "emplacement")),
     "accuracy": ("m", ("standard deviation", "sigma", "genauigkeit", "précision")),
 }  # fmt: skip
 """Unit and headings of each column; its own name is one too."""
@@ -44,7 +50,19 @@ _FIELDS = tuple(
     Field(name, unit, frozenset(map(folded, (name, *headings))))
     for name, (unit, headings) in _HEADINGS.items()
 )
-_QUANTITIES = ("contact height", "messenger height", "dropper length", "stagger")
+_QUANTITIES = (
+    "contact height", "messenger height", "dropper length", "stagger", "elasticity", "uplift",
+)  # fmt: skip
+_POINTS = {
+    "support": ("support", "mast", "stützpunkt", "poteau", "poste", "sostegno", "stolpe"),
+    "middle": ("middle", "mid-span", "mid", "feldmitte", "mitte", "milieu", "centro", "mezzeria",
+               "midt", "mitten"),
+}  # fmt: skip
+"""Words of the column ``point``: the left support of the span, and its middle."""
+_WORDS = {folded(word): point for point, words in _POINTS.items() for word in words}
+_LARGEST = {"elasticity": (0.05, "m/N", "mm/N"), "uplift": (1.0, "m", "mm")}
+"""Values that no line has, five times and more what a contact wire alone does, and the unit that a
+heading lacks then."""
 MOST_ROWS = 500_000
 """Rows of a survey that are read: rows every 0.25 m of more than 100 km."""
 _HEADING_ROWS = 10
@@ -56,8 +74,9 @@ def load_survey(path: str | os.PathLike[str], case: Case, *, accuracy: float = A
 
     CSV of any dialect or a workbook. A row belongs to a dropper (columns ``span`` and
     ``dropper``), to a support (``support`` or ``mast``), or to a place (``position`` from support
-    1, or ``chainage``), and holds any of ``contact height``, ``messenger height``, ``dropper
-    length`` and ``stagger``; ``accuracy`` is its standard deviation.
+    1, or ``chainage``), or to the support on the left or the middle of a span (``span`` and
+    ``point``), and holds any of ``contact height``, ``messenger height``, ``dropper length``,
+    ``stagger``, ``elasticity`` and ``uplift``; ``accuracy`` is its standard deviation.
 
     Parameters
     ----------
@@ -91,7 +110,8 @@ def load_survey(path: str | os.PathLike[str], case: Case, *, accuracy: float = A
         problems.append(
             f"{path}: no sheet is a survey; a row needs a place ('Span' and 'Dropper', 'Support', "
             "'Mast', 'Position [m]' or 'Chainage [m]') and a value ('Contact height [m]', "
-            "'Messenger height [m]', 'Dropper length [mm]', 'Stagger [mm]')"
+            "'Messenger height [m]', 'Dropper length [mm]', 'Stagger [mm]', 'Elasticity [mm/N]', "
+            "'Uplift [mm]')"
         )
     if problems:
         raise InputError(problems)
@@ -156,18 +176,34 @@ def _readings(table: _Table, case: Case, accuracy: float, problems: list[str]) -
             values = {name: cells[name] for name in _QUANTITIES if cells.get(name) is not None}
             if not values:
                 continue
+            _refuse_unlikely(values)
             place = _place(cells, case)
         except CellError as error:
             problems.append(f"{where}: {error}")
             continue
         own = cells.get("accuracy")
-        found += [
-            Reading(cast("Quantity", name), float(value), float(own or accuracy), **place,
-                    where=where)
-            for name, value in values.items()
-            if value is not None
-        ]  # fmt: skip
+        for name, value in values.items():
+            usual = accuracy if own is None and name != "uplift" else float(own or math.nan)
+            spread = math.nan if name == "elasticity" else usual
+            quantity, size = cast("Quantity", name), float(value or 0.0)
+            found.append(Reading(quantity, size, spread, **place, where=where))
     return found
+
+
+def _refuse_unlikely(values: dict[str, float | str | None]) -> None:
+    """Refuse values that are in another unit than their heading says.
+
+    Raises
+    ------
+    CellError
+    """
+    for name, (largest, unit, usual) in _LARGEST.items():
+        value = values.get(name)
+        if value is not None and abs(float(value)) > largest:
+            raise CellError(
+                f"{name} of {float(value):g} {unit} is more than any line has; say the unit in the "
+                f"heading, as in '{name.capitalize()} [{usual}]'"
+            )
 
 
 def _value(table: _Table, row: int, name: str) -> float | str | None:
@@ -192,6 +228,9 @@ def _place(cells: dict[str, float | str | None], case: Case) -> dict[str, Any]:
     span, dropper, support = (cells.get(name) for name in ("span", "dropper", "support"))
     if span is not None and dropper is not None:
         return {"span": int(span), "dropper": int(dropper)}
+    point = cells.get("point")
+    if span is not None and point is not None:
+        return _point(int(span), str(point), case)
     if support is not None:
         return {"support": int(support)}
     mast = cells.get("mast")
@@ -205,5 +244,23 @@ def _place(cells: dict[str, float | str | None], case: Case) -> dict[str, Any]:
     if cells.get("chainage") is not None:
         return {"s": case.line.distance(float(cells["chainage"] or 0.0))}
     raise CellError(
-        "says no place; give span and dropper, a support or mast, a position or a chainage"
+        "says no place; give span and dropper, span and point (support or mid-span), a support or "
+        "mast, a position or a chainage"
     )
+
+
+def _point(span: int, text: str, case: Case) -> dict[str, Any]:
+    """Return where the left support or the middle of a span is.
+
+    Raises
+    ------
+    CellError
+        When the word is not known, or the line does not have the span.
+    """
+    point = _WORDS.get(folded(text))
+    if point is None:
+        raise CellError(f"the point {text!r} is neither 'support' nor 'mid-span'")
+    if not 1 <= span <= case.line.spans:
+        raise CellError(f"names span {span}; the line has {case.line.spans}")
+    ends = case.line.support_positions()[span - 1 : span + 1]
+    return {"support": span} if point == "support" else {"s": 0.5 * sum(ends)}

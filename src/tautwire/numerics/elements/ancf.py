@@ -5,8 +5,8 @@ Strain energy ``U = 1/2 int_0^L0 (EA eps^2 + EI kappa^2) dchi`` with the Green s
 
 Symbols
 -------
-p : r'(chi), (g, 3, n)            s : L0 r''(chi), (g, 3, n), at g Gauss points
-P : p.p, (g, n)                   c : p x s, W : c.c
+p : r'(chi), (5, 3, n)            s : L0 r''(chi), (5, 3, n)
+P : p.p, (5, n)                   c : p x s, W : c.c
 L : unstrained length L0          w : quadrature weight
 f_p, f_s : derivative of the energy density with respect to p and s
 
@@ -28,25 +28,17 @@ from tautwire.numerics.elements.quadrature import gauss_unit
 
 Array = NDArray[Any]
 
+QUADRATURE_POINTS = 5
+"""Gauss points of an element: exact to degree 9; eps^2 has degree 8, and kappa^2, which is
+rational, is near to degree 2 in a taut wire. With three points for kappa^2 the contact force of AC
+simple with nine nodes between droppers changes by 0.0003 N rms and the time by nothing, with two by
+0.003 N (AC simple as plane models see it: 0.005 N) and a sweep takes 0.94 of its time."""
+_POINTS, _WEIGHTS = gauss_unit(QUADRATURE_POINTS)
+_FIRST, _SECOND = derivative_tables(_POINTS)
+_BOTH = np.concatenate([_FIRST, _SECOND])
+_W_FIRST_T = (_WEIGHTS[:, None] * _FIRST).T
+_W_SECOND_T = (_WEIGHTS[:, None] * _SECOND).T
 
-class _Rule(NamedTuple):
-    """A quadrature rule: weights (g,), and tables of r' and L0 r'' on (d, r1', r2'), (g, 3)."""
-
-    weights: Array
-    first: Array
-    second: Array
-
-    @classmethod
-    def gauss(cls, count: int) -> _Rule:
-        points, weights = gauss_unit(count)
-        return cls(weights, *derivative_tables(points))
-
-
-_STRETCH = _Rule.gauss(5)
-"""For eps^2, which has degree 8: exact to degree 9."""
-_BEND = _Rule.gauss(2)
-"""For kappa^2, which is rational and near to degree 2 in a taut wire: exact to degree 3. With five
-points the contact force of AC simple changes by less than 0.001 N."""
 
 _BLOCK = 1024
 """Elements whose second derivatives are formed at once: their intermediate arrays, some 4 kB an
@@ -62,18 +54,13 @@ class CableSection(NamedTuple):
     bending_stiffness: Array
 
 
-class _Stretched(NamedTuple):
-    p: Array
-    P: Array
-    strain: Array
-
-
-class _Bent(NamedTuple):
+class _Fields(NamedTuple):
     p: Array
     s: Array
     P: Array
     c: Array
     W: Array
+    strain: Array
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -89,28 +76,18 @@ def _dot(a: Array, b: Array) -> Array:
     return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
-def _apply(table: Array, e: Array, length: Array) -> Array:
-    """Return what a table on (d, r1', r2') makes of the coordinates, ``(g, 3, n)``."""
+def _fields(e: Array, length: Array) -> _Fields:
+    """Evaluate r', L0 r'' and what follows from them at the quadrature points."""
     n = e.shape[-1]
     basis = np.empty((3, 3, n), dtype=e.dtype)
     basis[0] = (e[2] - e[0]) / length
     basis[1] = e[1]
     basis[2] = e[3]
-    return (table @ basis.reshape(3, 3 * n)).reshape(len(table), 3, n)
-
-
-def _stretched(e: Array, length: Array) -> _Stretched:
-    """Evaluate r' and the strain at the points of the axial energy."""
-    p = _apply(_STRETCH.first, e, length)
-    P = _dot(p, p)
-    return _Stretched(p, P, 0.5 * (P - 1.0))
-
-
-def _bent(e: Array, length: Array) -> _Bent:
-    """Evaluate r', L0 r'' and what follows from them at the points of the bending energy."""
-    p, s = _apply(_BEND.first, e, length), _apply(_BEND.second, e, length)
+    values = (_BOTH @ basis.reshape(3, 3 * n)).reshape(2 * QUADRATURE_POINTS, 3, n)
+    p, s = values[:QUADRATURE_POINTS], values[QUADRATURE_POINTS:]
     c = _cross(p, s)
-    return _Bent(p, s, _dot(p, p), c, _dot(c, c))
+    P = _dot(p, p)
+    return _Fields(p, s, P, c, _dot(c, c), 0.5 * (P - 1.0))
 
 
 def energy(e: Array, section: CableSection) -> Array:
@@ -127,32 +104,24 @@ def energy(e: Array, section: CableSection) -> Array:
     -------
     (n,) J
     """
-    f = _bent(e, section.length)
-    stretch2 = _STRETCH.weights @ _stretched(e, section.length).strain ** 2
-    curvature2 = _BEND.weights @ (f.W / (section.length**2 * f.P**3))
-    density = section.axial_stiffness * stretch2 + section.bending_stiffness * curvature2
-    return 0.5 * section.length * density
+    f = _fields(e, section.length)
+    curvature2 = f.W / (section.length**2 * f.P**3)
+    density = section.axial_stiffness * f.strain**2 + section.bending_stiffness * curvature2
+    return 0.5 * section.length * (_WEIGHTS @ density)
 
 
-def _axial_force(e: Array, section: CableSection) -> Array:
-    """Return the forces of the axial energy on the basis (d, r1', r2'), ``(3, 3, n)``."""
-    f = _stretched(e, section.length)
-    return _project(_STRETCH, _STRETCH.first, (section.axial_stiffness * f.strain)[:, None] * f.p)
-
-
-def _bending_force(e: Array, section: CableSection) -> Array:
-    """Return those of the bending energy."""
-    f = _bent(e, section.length)
+def _densities(f: _Fields, section: CableSection) -> tuple[Array, Array, Array]:
+    """Return the axial and bending part of f_p, and f_s."""
     stiffness = section.bending_stiffness / section.length**2 / f.P**3
-    f_p = stiffness[:, None] * (_cross(f.s, f.c) - (3.0 * f.W / f.P)[:, None] * f.p)
-    f_s = stiffness[:, None] * _cross(f.c, f.p)
-    return _project(_BEND, _BEND.first, f_p) + _project(_BEND, _BEND.second, f_s)
+    axial = (section.axial_stiffness * f.strain)[:, None] * f.p
+    bend = stiffness[:, None] * (_cross(f.s, f.c) - (3.0 * f.W / f.P)[:, None] * f.p)
+    return axial, bend, stiffness[:, None] * _cross(f.c, f.p)
 
 
-def _project(rule: _Rule, table: Array, density: Array) -> Array:
-    """Return ``sum_w B' density`` on the basis (d, r1', r2'), ``(3, 3, n)``."""
-    n = density.shape[-1]
-    flat = (rule.weights[:, None] * table).T @ density.reshape(-1, 3 * n)
+def _project(f_p: Array, f_s: Array) -> Array:
+    """Return ``sum_w (B' f_p + B'' f_s)`` on the basis (d, r1', r2'), ``(3, 3, n)``."""
+    n = f_p.shape[-1]
+    flat = _W_FIRST_T @ f_p.reshape(-1, 3 * n) + _W_SECOND_T @ f_s.reshape(-1, 3 * n)
     return flat.reshape(3, 3, n)
 
 
@@ -171,7 +140,9 @@ def force(e: Array, section: CableSection) -> Array:
     (4, 3, n)
         Work-conjugate to ``e``: N for positions, N m for slopes.
     """
-    g = _axial_force(e, section) + _bending_force(e, section)
+    axial, bend, f_s = _densities(_fields(e, section.length), section)
+    axial += bend
+    g = _project(axial, f_s)
     q = np.empty_like(e, dtype=g.dtype)
     q[2] = g[0]
     q[0] = -g[0]
@@ -180,35 +151,29 @@ def force(e: Array, section: CableSection) -> Array:
     return q
 
 
-def _outer(a: Array, b: Array) -> Array:
-    return a[:, :, None] * b[:, None, :]
+def _hessian(f: _Fields, section: CableSection) -> tuple[Array, Array, Array]:
+    """Return second derivatives of the energy density: pp, sp, ss, each ``(5, 3, 3, n)``."""
+    eye = np.eye(3)[None, :, :, None]
 
+    def outer(a: Array, b: Array) -> Array:
+        return a[:, :, None] * b[:, None, :]
 
-def _full(a: Array) -> Array:
-    return a[:, None, None]
+    def full(a: Array) -> Array:
+        return a[:, None, None]
 
-
-_EYE = np.eye(3)[None, :, :, None]
-
-
-def _axial_hessian(f: _Stretched, section: CableSection) -> Array:
-    """Return the second derivative of the axial energy density, ``(g, 3, 3, n)``."""
-    stress = _full(section.axial_stiffness * f.strain)
-    return stress * _EYE + section.axial_stiffness * _outer(f.p, f.p)
-
-
-def _bending_hessian(f: _Bent, section: CableSection) -> tuple[Array, Array, Array]:
-    """Return those of the bending energy density: pp, sp, ss, each ``(g, 3, 3, n)``."""
     b = _cross(f.s, f.c)
     ss, ps = _dot(f.s, f.s), _dot(f.p, f.s)
     k = section.bending_stiffness / section.length**2 / f.P**3
-    pp = _full(ss - 3.0 * f.W / f.P) * _EYE - _outer(f.s, f.s)
-    pp -= _full(6.0 / f.P) * (_outer(b, f.p) + _outer(f.p, b))
-    pp += _full(24.0 * f.W / f.P**2) * _outer(f.p, f.p)
-    sp = 2.0 * _outer(f.s, f.p) - _outer(f.p, f.s) - _full(ps) * _EYE
-    sp -= _full(6.0 / f.P) * _outer(f.s * f.P[:, None] - f.p * ps[:, None], f.p)
-    s2 = _full(f.P) * _EYE - _outer(f.p, f.p)
-    return _full(k) * pp, _full(k) * sp, _full(k) * s2
+    pp = full(section.axial_stiffness * f.strain) * eye
+    pp = pp + section.axial_stiffness * outer(f.p, f.p)
+    bend = full(ss - 3.0 * f.W / f.P) * eye - outer(f.s, f.s)
+    bend -= full(6.0 / f.P) * (outer(b, f.p) + outer(f.p, b))
+    bend += full(24.0 * f.W / f.P**2) * outer(f.p, f.p)
+    pp = pp + full(k) * bend
+    sp = 2.0 * outer(f.s, f.p) - outer(f.p, f.s) - full(ps) * eye
+    sp -= full(6.0 / f.P) * outer(f.s * f.P[:, None] - f.p * ps[:, None], f.p)
+    s2 = full(f.P) * eye - outer(f.p, f.p)
+    return pp, full(k) * sp, full(k) * s2
 
 
 def _in_blocks(
@@ -227,25 +192,22 @@ def _in_blocks(
     return whole
 
 
-def _weigh(weights: Array, left: Array, right: Array, block: Array) -> Array:
-    """Return ``sum_w left' block right``, ``(3, 3, 3, 3, n)``: j, k, component, component."""
-    g, n = len(weights), block.shape[-1]
-    table = (weights[:, None, None] * left[:, :, None] * right[:, None, :]).reshape(g, 9)
-    return (table.T @ block.reshape(g, 9 * n)).reshape(3, 3, 3, 3, n)
-
-
-def _basis_tangent(e: Array, section: CableSection) -> Array:
+def _basis_tangent(f: _Fields, section: CableSection) -> Array:
     """Return the Hessian of the element energy on (d, r1', r2'), ``(3, 3, 3, 3, n)``.
 
     Axes: basis j, component, basis k, component, element.
     """
-    axial = _axial_hessian(_stretched(e, section.length), section)
-    pp, sp, ss = _bending_hessian(_bent(e, section.length), section)
-    first, second, weights = _BEND.first, _BEND.second, _BEND.weights
-    mixed = _weigh(weights, second, first, sp)
-    total = _weigh(_STRETCH.weights, _STRETCH.first, _STRETCH.first, axial)
-    total += _weigh(weights, first, first, pp) + _weigh(weights, second, second, ss)
-    total += mixed + mixed.transpose(1, 0, 3, 2, 4)
+    pp, sp, ss = _hessian(f, section)
+    n = pp.shape[-1]
+    g = QUADRATURE_POINTS
+
+    def weigh(left: Array, right: Array, block: Array) -> Array:
+        table = (_WEIGHTS[:, None, None] * left[:, :, None] * right[:, None, :]).reshape(g, 9)
+        return (table.T @ block.reshape(g, 9 * n)).reshape(3, 3, 3, 3, n)
+
+    mixed = weigh(_SECOND, _FIRST, sp)
+    total = weigh(_FIRST, _FIRST, pp) + weigh(_SECOND, _SECOND, ss)
+    total = total + mixed + mixed.transpose(1, 0, 3, 2, 4)
     return (section.length * total).transpose(0, 2, 1, 3, 4)
 
 
@@ -268,7 +230,7 @@ def tangent(e: Array, section: CableSection) -> Array:
 
 
 def _tangent(e: Array, section: CableSection) -> Array:
-    h = _basis_tangent(e, section)
+    h = _basis_tangent(_fields(e, section.length), section)
     length = section.length
     rows = np.empty((4, 3, 3, 3, e.shape[-1]), dtype=h.dtype)
     rows[2] = h[0] / length
@@ -289,11 +251,12 @@ def length_derivative(e: Array, section: CableSection) -> Array:
 
 
 def _length_derivative(e: Array, section: CableSection) -> Array:
-    axial, bend = _axial_force(e, section), _bending_force(e, section)
-    g = (axial + bend) * section.length
-    h = _basis_tangent(e, section)
+    f = _fields(e, section.length)
+    axial, bend, f_s = _densities(f, section)
+    g = _project(axial + bend, f_s) * section.length
+    h = _basis_tangent(f, section)
     d = (e[2] - e[0]) / section.length
-    g_l = axial - bend  # the bending energy goes with 1/L0^2
+    g_l = _project(axial - bend, -f_s)
     g_l = g_l - np.einsum("jakn,kn->jan", h[:, :, 0], d) / section.length
     q_l = np.empty_like(e, dtype=g_l.dtype)
     q_l[2] = (g_l[0] - g[0] / section.length) / section.length
@@ -305,8 +268,8 @@ def _length_derivative(e: Array, section: CableSection) -> Array:
 
 def axial_force(e: Array, section: CableSection) -> Array:
     """Return the mean axial force EA*eps*|r'| of each element, ``(n,)`` [N], tension positive."""
-    f = _stretched(e, section.length)
-    return _STRETCH.weights @ (section.axial_stiffness * f.strain * np.sqrt(f.P))
+    f = _fields(e, section.length)
+    return _WEIGHTS @ (section.axial_stiffness * f.strain * np.sqrt(f.P))
 
 
 _MASS = np.array(

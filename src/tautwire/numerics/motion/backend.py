@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import replace
 from functools import cache
 from types import ModuleType
 from typing import Any, Literal
@@ -15,11 +16,13 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.numerics.elements import ancf
+from tautwire.numerics.motion.extrapolated_stepper import ExtrapolatedStepper
 from tautwire.numerics.motion.native_line import NotAChainError
 from tautwire.numerics.motion.native_stepper import NativeStepper
 from tautwire.numerics.motion.reference_stepper import ReferenceStepper
 from tautwire.numerics.motion.stepper import PantographInput, StepOptions, Stepper
 from tautwire.numerics.network.system import System
+from tautwire.numerics.newmark import Extrapolated
 
 Array = NDArray[Any]
 Index = NDArray[np.int64]
@@ -173,6 +176,14 @@ def make_stepper(
     InputError
         TAUTWIRE_THREADS is no count.
     """
+    if isinstance(options.integrator, Extrapolated):
+        base, usual = options.integrator.base, options.time_step
+
+        def part(count: int) -> Stepper:
+            own = replace(options, integrator=base, time_step=usual / count)
+            return make_stepper(system, pantographs, own, observed, backend)
+
+        return ExtrapolatedStepper(part)
     core = _native(backend)
     if core is None:
         return ReferenceStepper(system, pantographs, options, observed)
@@ -192,7 +203,8 @@ def make_stepper(
 
 def backend_of(stepper: Stepper) -> str:
     """Describe the kernels that a time integration uses, as :func:`backend_name` does."""
-    return backend_name("native" if isinstance(stepper, NativeStepper) else "reference")
+    own = stepper.parts[0] if isinstance(stepper, ExtrapolatedStepper) else stepper
+    return backend_name("native" if isinstance(own, NativeStepper) else "reference")
 
 
 def cable_force(e: Array, section: ancf.CableSection, backend: Choice = "auto") -> Array:

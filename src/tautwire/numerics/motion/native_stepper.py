@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -33,6 +34,9 @@ Index = NDArray[np.int64]
 
 _CHUNK = 100
 """Steps per call of the core, some 5 ms: between them Python sees signals."""
+_MOST_AHEAD = 1000
+"""Most steps whose known data are made at once, some hundred kilobytes a pantograph: made for 20
+steps each, the length of a block, they took a tenth of a passage."""
 _RUNNING, _CROSSING = 0, 5  # as in engine.hpp
 _OF_PAIRS = ("contact_force", "gap", "wire_height")
 _OUTCOMES = {
@@ -92,6 +96,7 @@ class NativeStepper:
         observed = np.asarray(observed, dtype=np.int64)
         self._observed = 6 * self._order.place[observed // 6] + observed % 6
         self._clock = Clock()
+        self._ahead = _Known(self._clock, np.zeros(1), {})
         arrays = line_arrays(system, self._order, options.stiffening, options.contact_stiffness)
         self._paths = len(arrays["path_stiffness"])
         self._core = core.Stepper(
@@ -132,7 +137,7 @@ class NativeStepper:
         names = ("elimination", "contacts", "substitution", "records", "total")
         return dict(zip(names, self._core.timings(), strict=True))
 
-    @property
+    @cached_property
     def _from_core(self) -> Index:
         return (6 * self._order.place[:, None] + np.arange(6)).ravel()
 
@@ -167,16 +172,17 @@ class NativeStepper:
         histories = self._empty_histories(steps)
         refused = np.empty(len(self._inputs))
         time = np.empty(steps)
+        size = time_step or self._options.time_step
+        asked = {"time_step": size, "observed": self._observed, "until_crossing": until_crossing}
         taken, outcome = 0, _RUNNING
         while taken < steps and outcome == _RUNNING:
             stop = min(taken + _CHUNK, steps)
-            known = self._known(stop - taken, time_step or self._options.time_step)
+            known = self._coming(stop - taken, size)
             rows = {name: array[taken:stop] for name, array in histories.items()}
-            done, outcome = self._core.advance(
-                known.arrays | {"until_crossing": until_crossing}, rows | {"refused_gap": refused}
-            )
+            rows["refused_gap"] = refused
+            done, outcome = self._core.advance(known.arrays | asked, rows)
             time[taken : taken + done] = known.time[1 : done + 1]
-            self._clock = known.clocks[done]
+            self._clock = self._clock.after(size, done) if done else self._clock
             taken += done
         self._count()
         return StepBlock(
@@ -220,18 +226,28 @@ class NativeStepper:
         }
         return {name: np.empty((steps, width)) for name, width in widths.items()}
 
-    def _known(self, steps: int, time_step: float) -> _Known:
-        """Return what is known in advance of the next steps."""
-        clocks = [self._clock]
-        for _ in range(steps):
-            clocks.append(clocks[-1].after(time_step))
-        time = np.array([c.time for c in clocks])
+    def _coming(self, steps: int, time_step: float) -> _Known:
+        """Return what is known in advance of the next steps.
+
+        It is made for twice as many steps each time when all that was made before is used.
+        """
+        begin, ahead = self._clock.counting(time_step), self._ahead
+        done = begin.count - ahead.begin.count
+        is_known = (begin.since, time_step) == (ahead.begin.since, ahead.begin.time_step)
+        if not is_known or not 0 <= done <= ahead.steps - steps:
+            more = 2 * ahead.steps if is_known and 0 < done <= ahead.steps else 0
+            self._ahead = ahead = self._known(max(steps, min(more, _MOST_AHEAD)), begin)
+            done = 0
+        return ahead.part(done, steps)
+
+    def _known(self, steps: int, begin: Clock) -> _Known:
+        """Return what is known in advance of a number of steps."""
+        time = begin.since + (begin.count + np.arange(steps + 1)) * begin.time_step
         end = time[1:]
         loads = [np.empty((steps + 1, 0))] + [given.external(time) for given in self._inputs]
         external = np.concatenate(loads, axis=1)
         rise = _columns([given.unevenness(end) for given in self._inputs], steps)
         arrays = {
-            "time_step": time_step,
             "frame": _frames(self._inputs, end),
             "rise": np.repeat(rise, self._paths, axis=1),
             "on_line": _columns(
@@ -239,18 +255,38 @@ class NativeStepper:
             ),
             "before": external[:-1].copy(),
             "after": external[1:].copy(),
-            "observed": self._observed,
         }
-        return _Known(tuple(clocks), time, arrays)
+        return _Known(begin, time, arrays)
 
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """Clocks and times of the ends of a number of steps, the present first, and their data."""
+    """What is known in advance of a number of equal steps.
 
-    clocks: tuple[Clock, ...]
+    Attributes
+    ----------
+    begin : Clock
+        Before the first one.
+    time : (n_step + 1,) s
+        Before the first one and after each.
+    arrays : dict of (n_step, ...)
+        As the core takes them.
+    """
+
+    begin: Clock
     time: Array
-    arrays: dict[str, Any]
+    arrays: dict[str, Array]
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.time) - 1
+
+    def part(self, done: int, steps: int) -> _Known:
+        """Return the same for some of the steps, when a number of them is done."""
+        rows = {name: array[done : done + steps] for name, array in self.arrays.items()}
+        begin = self.begin.after(self.begin.time_step, done)
+        return _Known(begin, self.time[done : done + steps + 1], rows)
 
 
 def _columns(values: list[Array], steps: int, dtype: type = float) -> Array:

@@ -39,11 +39,14 @@ class Clock:
         """Time [s]."""
         return self.since + self.count * self.time_step
 
-    def after(self, time_step: float) -> Clock:
-        """Return the clock after one more step [s]."""
-        if time_step == self.time_step:
-            return Clock(self.since, self.count + 1, time_step)
-        return Clock(self.time, 1, time_step)
+    def counting(self, time_step: float) -> Clock:
+        """Return the clock that shows the same time and counts steps of some size [s]."""
+        return self if time_step == self.time_step else Clock(self.time, 0, time_step)
+
+    def after(self, time_step: float, steps: int = 1) -> Clock:
+        """Return the clock after more steps of some size [s]."""
+        begin = self.counting(time_step)
+        return Clock(begin.since, begin.count + steps, time_step)
 
 
 @dataclass(frozen=True, eq=False)

@@ -167,7 +167,7 @@ class StepOptions:
 
     Attributes
     ----------
-    integrator : Newmark or HHT
+    integrator : Newmark, HHT or Extrapolated
     time_step : float s
     contact_stiffness : float N/m
     tolerance : float m
@@ -279,7 +279,10 @@ class Stepper(Protocol):
     is the complete state (wires, pantographs, time); it stays valid whatever is computed after it.
     """
 
-    counters: StepCounters
+    @property
+    def counters(self) -> StepCounters:
+        """Work done so far."""
+        ...
 
     @property
     def time(self) -> float:
@@ -307,6 +310,16 @@ class Stepper(Protocol):
         until_crossing
             Stop before a step in which the gap of a pantograph changes between negative
             (contact) and not negative. That step is not kept; its gaps are returned.
+        """
+        ...
+
+    def start_from(self, q: Array, v: Array) -> None:
+        """Replace the state at time zero (plucked wires, wave tests); forces need not balance.
+
+        Parameters
+        ----------
+        q, v : (n_dof,)
+            Coordinates and velocities.
         """
         ...
 

@@ -12,16 +12,17 @@ from tautwire.line.pieces import Body, WireStay
 from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
 from tautwire.report.figures.force_figures import add_line_marks
-from tautwire.report.figures.packing import share, thinned
+from tautwire.report.figures.packing import share, simplified, thinned
 from tautwire.report.parts.fitting_words import bodies_of, body_heights, stay_place, stays_of
 from tautwire.report.parts.views import RunView
-from tautwire.results.equilibrium import Elasticity, Equilibrium, WireShape
+from tautwire.results.equilibrium import Equilibrium, WireShape
 from tautwire.specs.case import Case
-from tautwire.specs.line.catenary import Line
 
 Array = NDArray[np.float64]
 MESSENGER = "#6a7683"
 DROPPER = "#9aa5b0"
+FINEST = 5e-5
+"""How far a wire may be drawn from where it is [m]: half of the last digit that is told."""
 
 
 def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
@@ -44,7 +45,7 @@ def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
     x = {"showgrid": True, "gridcolor": style.SUPPORT, "tickvals": shape.mast_x}
     figure.update_xaxes(style.axis("", **x, showticklabels=False, range=_opening(shape, first)))
     figure.update_xaxes(
-        ticktext=[f"{n}<br>{p:g} m" for n, p in zip(marks, shape.mast_x.round(2), strict=True)],
+        ticktext=[f"{n}<br>{place}" for n, place in zip(marks, _places(case, shape), strict=True)],
         showticklabels=True,
         title={"text": "support and position along the track", "standoff": 14},
         row=3,
@@ -54,6 +55,13 @@ def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
         figure.update_yaxes(**style.axis(title), row=row, col=1)
     figure.update_yaxes(autorange="reversed", row=2, col=1)
     return figure
+
+
+def _places(case: Case, shape: Equilibrium) -> list[str]:
+    """Return the chainage of every support, or its distance from support 1."""
+    if case.line.chainage is None:
+        return [f"{place:g} m" for place in shape.mast_x.round(2)]
+    return [f"km {1e-3 * place:.3f}" for place in case.line.chainage]
 
 
 def _opening(shape: Equilibrium, first: int) -> list[float]:
@@ -81,11 +89,11 @@ def _add_side_view(figure: Drawing, shape: Equilibrium, bodies: Sequence[Body]) 
         ]
     )
     figure.add_scatter(
-        x=shape.dropper_x,
-        y=0.5 * (top + shape.dropper_heights),
+        x=shape.dropper_x.astype(np.float32),
+        y=(0.5 * (top + shape.dropper_heights)).astype(np.float32),
         mode="markers",
         marker={"size": 10, "opacity": 0},
-        customdata=numbers,
+        customdata=numbers.astype(np.float32),
         hovertemplate="dropper %{customdata[1]} of span %{customdata[0]}<br>"
         "%{customdata[2]:.1f} N<br>%{customdata[3]:.4f} m unstrained<br>"
         "%{customdata[4]:.4f} m stretched<extra></extra>",
@@ -162,10 +170,11 @@ def _group(wire: WireShape) -> str:
 def _add_wire(
     figure: Drawing, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
-    group = _group(wire)
+    group, metres = _group(wire), 1.0 if row == 1 else 1e-3
+    points = simplified(np.column_stack([wire.position[:, 0], metres * y]), FINEST)
     figure.add_scatter(
-        x=wire.position[:, 0].astype(np.float32),
-        y=y.astype(np.float32),
+        x=points[:, 0].astype(np.float32),
+        y=(points[:, 1] / metres).astype(np.float32),
         mode="lines",
         name=group,
         line=line,
@@ -430,52 +439,3 @@ def _add_droppers(
         hovertemplate=place + "slack for %{y:.0f} ms<extra></extra>",
         row=2,
     )
-
-
-def elasticity_figure(
-    elasticities: Sequence[tuple[str, Elasticity]], line: Line, shape: Equilibrium
-) -> Drawing:
-    """Draw the elasticity over position, of one or several lines.
-
-    Parameters
-    ----------
-    elasticities : sequence of (label, Elasticity)
-    line, shape
-        Give names and positions of the supports.
-    """
-    figure = Drawing(style.layout(360, top=40, hovermode="closest"))
-    symbols = {"support": "square", "dropper": "circle", "middle": "x-thin"}
-    for number, (label, data) in enumerate(elasticities):
-        look = style.look(number)
-        names = [
-            f"{kind} {index} of span {span}" if kind != "support" else f"support {span}"
-            for kind, index, span in zip(data.kind, data.index, data.span, strict=True)
-        ]
-        order = np.argsort(data.x)
-        figure.add_scatter(
-            x=data.x[order],
-            y=1e3 * data.elasticity[order],
-            mode="lines+markers",
-            name=label,
-            showlegend=len(elasticities) > 1,
-            line={"color": look.colour, "width": 1.6, "dash": look.dash},
-            marker={
-                "symbol": [symbols[data.kind[i]] for i in order],
-                "size": 7,
-                "color": look.colour,
-                "line": {"width": 1.6, "color": look.colour},
-            },
-            text=[names[i] for i in order],
-            hovertemplate="%{text}: %{y:.4f} mm/N<extra></extra>",
-        )
-    inside = shape.mast_x
-    figure.update_layout(
-        xaxis=style.axis(
-            "support",
-            tickvals=inside,
-            ticktext=line.support_marks(),
-            gridcolor=style.SUPPORT,
-        ),
-        yaxis=style.axis("elasticity [mm/N]", rangemode="tozero"),
-    )
-    return style.fit_legend(figure)

@@ -49,6 +49,30 @@ def thinned(values: NDArray[Any], limit: int = LIMIT) -> NDArray[np.int64]:
     return np.array(sorted(chosen), dtype=np.int64)
 
 
+def simplified(points: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """Return the points of a line that it needs to stay within a tolerance, in their unit.
+
+    References
+    ----------
+    D. H. Douglas, T. K. Peucker, doi:10.3138/FM57-6770-U75U-7727
+    """
+    keep = np.zeros(len(points), dtype=bool)
+    keep[[0, -1]] = True
+    parts = [(0, len(points) - 1)]
+    while parts:
+        first, last = parts.pop()
+        if last - first < 2:
+            continue
+        chord, own = points[last] - points[first], points[first + 1 : last] - points[first]
+        length = max(float(np.hypot(*chord)), 1e-12)  # a closed line has no chord
+        off = np.abs(chord[0] * own[:, 1] - chord[1] * own[:, 0]) / length
+        worst = int(off.argmax())
+        if off[worst] > tolerance:
+            keep[first + 1 + worst] = True
+            parts += [(first, first + 1 + worst), (first + 1 + worst, last)]
+    return points[keep]
+
+
 def floats(values: ArrayLike) -> dict[str, Any]:
     """Pack numbers as 32-bit floats."""
     return _packed("f4", np.asarray(values, dtype="<f4"))

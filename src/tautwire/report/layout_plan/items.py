@@ -202,27 +202,3 @@ def spread(wanted: Sequence[float], pitch: float, low: float, high: float) -> Ar
     steps = np.repeat([mean for mean, _ in blocks], [count for _, count in blocks])
     room = max(low, high - pitch * (len(wanted) - 1))
     return np.asarray(np.clip(steps, low, room) + pitch * np.arange(len(wanted)), dtype=float)
-
-
-def thinned(points: Array, tolerance: float) -> Array:
-    """Return the points of a line that it needs to stay within a tolerance [mm].
-
-    References
-    ----------
-    D. H. Douglas, T. K. Peucker, doi:10.3138/FM57-6770-U75U-7727
-    """
-    keep = np.zeros(len(points), dtype=bool)
-    keep[[0, -1]] = True
-    parts = [(0, len(points) - 1)]
-    while parts:
-        first, last = parts.pop()
-        if last - first < 2:
-            continue
-        chord, own = points[last] - points[first], points[first + 1 : last] - points[first]
-        length = max(float(np.hypot(*chord)), 1e-12)  # a closed line has no chord
-        off = np.abs(chord[0] * own[:, 1] - chord[1] * own[:, 0]) / length
-        worst = int(off.argmax())
-        if off[worst] > tolerance:
-            keep[first + 1 + worst] = True
-            parts += [(first, first + 1 + worst), (first + 1 + worst, last)]
-    return points[keep]

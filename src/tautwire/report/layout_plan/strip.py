@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.report.figures.packing import simplified
 from tautwire.report.layout_plan.alignment import Bend, Rise
 from tautwire.report.layout_plan.content import PlanDropper, PlanWire, Stretch
 from tautwire.report.layout_plan.items import (
@@ -19,7 +20,6 @@ from tautwire.report.layout_plan.items import (
     cut_to,
     spread,
     text_width,
-    thinned,
 )
 from tautwire.report.layout_plan.zones import (
     CLEAR,
@@ -221,7 +221,9 @@ class Strip:
     def _on_paper(self, wire: PlanWire, origin: float, column: int) -> Array:
         points = wire.between(self.start, self.end)
         x = self.scale.x(1.0) * (points[:, 0] - self.start)
-        return thinned(np.stack([x, origin + self.scale.y(1.0) * points[:, column]], 1), TOLERANCE)
+        return simplified(
+            np.stack([x, origin + self.scale.y(1.0) * points[:, column]], 1), TOLERANCE
+        )
 
     # ---- droppers --------------------------------------------------------------------------------
 

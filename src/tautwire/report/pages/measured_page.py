@@ -12,6 +12,7 @@ from tautwire.report.figures.panels import Curve, Panel, panel_figure
 from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.recordings.measured import (
     COUNTED,
+    EVENTS,
     event_rows,
     figure_rows,
     range_rows,
@@ -37,6 +38,8 @@ def write_measured_page(found: Evaluation, path: str | os.PathLike[str]) -> Path
     contents = [Section("reading", "What was recorded, and how it was read", blocks)]
     if found.force is not None:
         contents += [_figures(found), _history(found), _stretches(found)]
+    if found.force is not None or found.events:
+        contents.append(Section("events", "Events", (_events(found),)))
     if found.ranges:
         heads = ("channel", "least", "mean", "largest", "missing")
         table = Table("", heads, "lrrrr", tuple(range_rows(found)))
@@ -112,15 +115,13 @@ def _filter(found: Evaluation) -> str:
 
 def _stretches(found: Evaluation) -> Section:
     heads, align = COUNTED
-    blocks: list[object] = [
-        Table("Figures stretch by stretch.", heads, align.lower(),
-              tuple(stretch_rows(found)[:MOST_ROWS]))
-    ]  # fmt: skip
+    rows = tuple(stretch_rows(found)[:MOST_ROWS])
+    return Section("stretches", "Stretches", (Table("", heads, align.lower(), rows),))
+
+
+def _events(found: Evaluation) -> object:
     events = tuple(event_rows(found)[:MOST_ROWS])
-    head = ("event", "position [m]", "duration [ms]", "extreme [N]")
-    blocks.append(
-        Table("Events of the filtered force.", head, "lrrr", events)
-        if events
-        else Text("No loss of contact and no force above the limit.")
-    )
-    return Section("stretches", "Stretches and events", tuple(blocks))
+    caption = "Losses and high forces of the filtered force; hard spots by the step of that name."
+    if not events:
+        return Text("No loss of contact, no force above the limit, no hard spot.")
+    return Table(caption, EVENTS, "lrrr", events)

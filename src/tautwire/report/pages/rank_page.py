@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from tautwire.analyses.survey.rank import Ranking
 from tautwire.files import write_text
@@ -21,12 +23,13 @@ TOLERANCE = 2.0
 """Tolerance of a fitted length [mm]. From memory: what a crew can set and measure on the line."""
 
 
-def write_rank_page(ranking: Ranking, path: str | os.PathLike[str]) -> Path:
+def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -> Path:
     """Write the crew's page as a single HTML file, completely or not at all.
 
     Parameters
     ----------
-    ranking
+    rankings : sequence of Ranking
+        One per tension length.
     path
         File to write.
     """
@@ -34,9 +37,10 @@ def write_rank_page(ranking: Ranking, path: str | os.PathLike[str]) -> Path:
         f"Unstrained dropper lengths, clamp to clamp, each to within {TOLERANCE:g} mm; heights "
         "at supports by the change. The first column is the order of effect on the contact force, "
         "the rows follow the line.",
-        CREW_HEAD, "rlrrrrl", tuple(crew_rows(ranking)),
+        CREW_HEAD, "rlrrrrl", tuple(crew_rows(rankings)),
     )  # fmt: skip
-    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "lrrrr", tuple(figure_rows(ranking)))
+    corrected = [ranking for ranking in rankings if ranking.made]
+    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "lrrrr", tuple(figure_rows(corrected)))
     note = Text(
         "Computed: a passage over the whole line with these corrections made; this is what they "
         "gain. Predicted: the sum of the changes that each makes after those before it, from "
@@ -47,16 +51,21 @@ def write_rank_page(ranking: Ranking, path: str | os.PathLike[str]) -> Path:
         Section("corrections", "Corrections", (crew,)),
         Section("gain", "What they gain", (figures, note)),
     ]
-    case = ranking.case
-    masthead = {
-        "title": f"Corrections of {case.name}",
-        "description": case.title,
+    return write_text(path, render(contents, _masthead(rankings)))
+
+
+def _masthead(rankings: Sequence[Ranking]) -> dict[str, Any]:
+    case, *others = (ranking.case for ranking in rankings)
+    speeds = sorted({round(3.6 * ranking.case.scenario.speed) for ranking in rankings})
+    more = f" and {len(others)} others" if others else ""
+    return {
+        "title": f"Corrections of {case.name}{more}",
+        "description": "" if others else case.title,
         "facts": {
-            "Speed": f"{3.6 * case.scenario.speed:.0f} km/h",
-            "Length": f"{ranking.length:.0f} m",
-            "Passages": str(ranking.passages),
+            "Speed": ", ".join(f"{speed} km/h" for speed in speeds),
+            "Length": f"{sum(ranking.length for ranking in rankings):.0f} m",
+            "Passages": str(sum(ranking.passages for ranking in rankings)),
         },
         "version": __version__,
-        "case_hash": case.hash(),
+        "case_hash": case.hash()[:12] + more,
     }
-    return write_text(path, render(contents, masthead))

@@ -12,6 +12,7 @@ from tautwire.analyses.design.workshop import WorkshopSheet
 from tautwire.assessment.design.checks import DesignCheck
 from tautwire.assessment.design.lateral import LateralCheck
 from tautwire.report.figures import line_figures
+from tautwire.report.figures.design_figures import elasticity_figure
 from tautwire.report.parts.blocks import Callout, Details, Key, Keys, Section, Table, Text
 from tautwire.report.parts.conditions import input_blocks
 from tautwire.report.parts.design.sections import (
@@ -177,7 +178,7 @@ def _line(page: StaticPage) -> Section:
             "Side view, sag and plan view of the static line with droppers and steady arms.",
             spans_buttons(shape, first, last),
         ),
-        Details("Droppers: lengths, forces, heights", (dropper_table(shape),)),
+        Details("Droppers: lengths, forces, heights", (dropper_table(shape, page.case),)),
     ]
     if shape.arm_supports.size:
         arms = (arm_table(case.line, shape),)
@@ -200,6 +201,6 @@ def _elasticity(page: StaticPage) -> Section:
         "droppers (circles) and between (crosses). Non-uniformity (max − min)/(max + min): "
         f"{number(100.0 * found.nonuniformity)} %."
     )
-    figure = line_figures.elasticity_figure([(page.case.name, found)], page.case.line, page.shape)
+    figure = elasticity_figure([(page.case.name, found)], page.case.line, page.shape)
     block = chart("elasticity", figure, caption, "Curve of the elasticity over position.")
     return Section("elasticity", "Elasticity", (block,))

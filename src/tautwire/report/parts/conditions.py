@@ -62,7 +62,11 @@ def _conventions(view: RunView) -> dict[str, str]:
     case, section = view.run.case, view.statistics.section
     settings, line, supports = case.settings, case.line, case.supports
     integrator = settings.integrator
-    method = {"newmark": "Newmark ¼-½", "hht": f"HHT-α, α = {integrator.alpha:g}"}
+    method = {
+        "newmark": "Newmark ¼-½",
+        "hht": f"HHT-α, α = {integrator.alpha:g}",
+        "extrapolated": "Newmark ¼-½, extrapolated from half and quarter steps",
+    }
     tuned = case.scenario.target_mean_force()
     prescribed = "prescribed" if case.scenario.uplift_force is not None else "static + aerodynamic"
     condition = case.chosen_condition
@@ -81,7 +85,7 @@ def _conventions(view: RunView) -> dict[str, str]:
         "time step": f"{1e3 * settings.step():g} ms",
         "step control": str(view.run.counters.get("step_control", settings.step_control.method)),
         "irregularities": _irregularities(view),
-        "integrator": method.get(integrator.method, integrator.method),
+        "integrator": method[integrator.method],
         "damping": f"{line.damping.mass:g} 1/s · M + {line.damping.stiffness:g} s · K",
         "uplift force": prescribed if tuned is None else f"tuned to a mean of {tuned:.2f} N",
         "analysed section": f"spans {section.first_span} to {section.last_span}, "

@@ -10,6 +10,7 @@ import numpy as np
 from tautwire.analyses.force.statistics import uniform_shares
 from tautwire.report.drawing import Drawing
 from tautwire.report.figures import animation, force_figures, line_figures
+from tautwire.report.figures.design_figures import elasticity_figure
 from tautwire.report.figures.loss_figures import irregularity_figure
 from tautwire.report.parts import published
 from tautwire.report.parts.blocks import (
@@ -23,10 +24,12 @@ from tautwire.report.parts.blocks import (
     Text,
 )
 from tautwire.report.parts.fitting_words import BODY_HEAD, STAY_HEAD, body_rows, stay_rows
+from tautwire.report.parts.tables import places_of_droppers
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, series
 from tautwire.report.parts.words import listing, number, quantity
 from tautwire.results.equilibrium import Equilibrium
 from tautwire.signals.bands import WIDEST
+from tautwire.specs.case import Case
 from tautwire.specs.line.catenary import Line
 
 MOST_ROWS = 400
@@ -65,7 +68,7 @@ def line_section(views: Sequence[RunView]) -> Section:
             "Side view, sag and plan view of the static line with droppers and steady arms.",
             position_buttons(view),
         ),
-        Details("Droppers: lengths, forces, heights", (dropper_table(shape),)),
+        Details("Droppers: lengths, forces, heights", (dropper_table(shape, view.run.case),)),
     ]
     if shape.arm_supports.size:
         blocks.append(
@@ -106,6 +109,10 @@ def _irregularity_blocks(views: Sequence[RunView]) -> list[object]:
     ]
 
 
+_NAMES = ("mast", "tension length", "from", "to")
+"""Columns of a table of droppers that hold no numbers."""
+
+
 def position_buttons(view: RunView) -> tuple[Button, ...]:
     """Return buttons for the section of a run, its whole line and two spans of its middle."""
     part = view.statistics.section
@@ -126,30 +133,30 @@ def spans_buttons(shape: Equilibrium, first: int, last: int) -> tuple[Button, ..
     return tuple(buttons)
 
 
-def dropper_table(shape: Equilibrium) -> Table:
-    """List the droppers of the static line."""
-    rows = zip(
-        shape.dropper_span,
-        shape.dropper_number,
-        shape.dropper_x,
-        shape.dropper_lengths_unstrained,
-        shape.dropper_lengths,
-        shape.dropper_forces,
-        shape.dropper_heights,
-        strict=True,
-    )
-    texts = [
-        (str(s), str(n), *(number(v, d) for v, d in zip(values, (3, 4, 4, 1, 4), strict=True)))
-        for s, n, *values in rows
-    ]
+def dropper_table(shape: Equilibrium, case: Case) -> Table:
+    """List the droppers of the static line, with masts, chainage and wires where they are told."""
+    count = min(shape.dropper_x.size, MOST_ROWS)
+    columns = {
+        name: [number(v, 3) if isinstance(v, float) else str(v) for v in values[:count]]
+        for name, values in places_of_droppers(shape, case).items()
+        if name != "position [m]"  # from the support; the line is measured along x here
+    }
+    for name, values, digits in (
+        ("unstrained length [m]", shape.dropper_lengths_unstrained, 4),
+        ("stretched length [m]", shape.dropper_lengths, 4),
+        ("force [N]", shape.dropper_forces, 1),
+        ("height of the wire below [m]", shape.dropper_heights, 4),
+    ):
+        columns[name] = [number(value, digits) for value in values[:count]]
     return Table(
         caption="Droppers, clamp to clamp."
-        + (f" The first {MOST_ROWS} of {len(texts)}." if len(texts) > MOST_ROWS else ""),
-        head=("span", "dropper", "position [m]", "unstrained length [m]", "stretched length [m]",
-              "force [N]", "height of the contact wire [m]"),
-        align="rrrrrrr",
-        rows=tuple(texts[:MOST_ROWS]),
-    )  # fmt: skip
+        + (
+            f" The first {count} of {shape.dropper_x.size}." if shape.dropper_x.size > count else ""
+        ),
+        head=tuple(columns),
+        align="".join("l" if name in _NAMES else "r" for name in columns),
+        rows=tuple(zip(*columns.values(), strict=True)),
+    )
 
 
 def arm_table(line: Line, shape: Equilibrium) -> Table:
@@ -379,7 +386,7 @@ def elasticity_section(views: Sequence[RunView]) -> Section:
     case = views[0].run.case
     block = chart(
         "elasticity",
-        line_figures.elasticity_figure(given, case.line, views[0].run.equilibrium),
+        elasticity_figure(given, case.line, views[0].run.equilibrium),
         f"Static uplift per vertical force, under {listing(forces)}, at supports (squares), "
         f"droppers (circles) and between (crosses). Non-uniformity (max − min)/(max + min): "
         f"{uneven}. Ends {case.line.ends.left}/{case.line.ends.right}, closure "

@@ -380,7 +380,7 @@ def _verdict_statement(found: Sequence[Sequence[Check]]) -> str:
 
 
 def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> Table:
-    many = len(views) > 1
+    many, is_checked = len(views) > 1, all(check.verified for row in found for check in row)
     rows = []
     for view, row in zip(views, found, strict=True):
         for check in row:
@@ -392,17 +392,20 @@ def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> 
                     ", ".join([check.name, *who]),
                     marked(readable(check.value, check.unit), is_carried=check.is_carried),
                     f"{sign} {readable(check.limit, check.unit)}",
-                    _standard(check),
-                    _within(check),
+                    *(() if is_checked else (_within(check),)),
                     Verdict(check.words, check.verdict.replace("no value", "unverified")),
+                    _standard(check),
                 )
             )
+    caption = (
+        "Limits. No verdict is given beside a limit that nobody has checked against the text of "
+        "its standard, whether the value lies within it or not."
+    )
+    head = ("criterion", "value", "limit", "value is", "verdict", "standard")
     return Table(
-        caption="Limits. No verdict is given beside a limit that nobody has checked against the "
-        "text of its standard, whether the value lies within it or not. Forces are those of the "
-        "headline filter.",
-        head=("criterion", "value", "limit", "standard", "value is", "verdict"),
-        align="lrrlll",
+        caption=f"{'Limits.' if is_checked else caption} Forces are those of the headline filter.",
+        head=tuple(name for name in head if name != "value is" or not is_checked),
+        align="lrrll" if is_checked else "lrrlll",
         rows=tuple(rows),
     )
 

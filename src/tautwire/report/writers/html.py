@@ -14,8 +14,17 @@ from typing import Any
 
 from tautwire.report.parts.blocks import Animation, Chart, Pair, Section
 
-BASIC_TRACES = frozenset({"bar", "pie", "scatter"})
-"""Kinds of traces that the basic plotly.js draws."""
+LIBRARIES = {
+    "basic": frozenset({"bar", "pie", "scatter"}),
+    "cartesian": frozenset(
+        {
+            "bar", "box", "contour", "heatmap", "histogram", "histogram2d", "histogram2dcontour",
+            "image", "pie", "scatter", "scatterternary", "violin",
+        }
+    ),
+}  # fmt: skip
+"""Bundles of plotly.js beside the templates, the smaller first, with the kinds of traces that they
+draw. The whole library has four times the size of the first, for maps, volumes and surfaces."""
 
 
 def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
@@ -61,22 +70,15 @@ def render(contents: Sequence[Section], masthead: dict[str, Any]) -> str:
 
 
 def chart_library(charts: Iterable[Chart]) -> str:
-    """Return the script that draws charts: the smallest plotly.js that has their kinds of traces.
-
-    The library of the Python package has four times the size, for maps, volumes and surfaces; only
-    box plots and heat maps ask for it.
-    """
+    """Return the script that draws charts: the smallest bundle that has their kinds of traces."""
     kinds = {trace["type"] for chart in charts for trace in json.loads(chart.json)["data"]}
-    if kinds <= BASIC_TRACES:
-        return without_addresses(basic_library().read_text(encoding="utf-8"))
-    from plotly.offline import get_plotlyjs
-
-    return without_addresses(get_plotlyjs())
+    bundle = next(name for name, traces in LIBRARIES.items() if kinds <= traces)
+    return without_addresses(library_file(bundle).read_text(encoding="utf-8"))
 
 
-def basic_library() -> Traversable:
-    """Return the file of the basic plotly.js, its licence beside it."""
-    return _templates().joinpath("plotly", "plotly-basic.min.js")
+def library_file(bundle: str) -> Traversable:
+    """Return the file of a bundle of plotly.js, its licence beside it."""
+    return _templates().joinpath("plotly", f"plotly-{bundle}.min.js")
 
 
 def _templates() -> Traversable:

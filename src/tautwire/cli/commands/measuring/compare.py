@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from tautwire.assessment.coverage import covered
-from tautwire.assessment.geometry import GeometryRow, compare_geometry
-from tautwire.assessment.limits import load_limits
-from tautwire.assessment.measurement import MeasurementComparison, compare_with_measurement
+from tautwire.analyses.force.section import analysed_section
+from tautwire.analyses.force.statistics import support_uplift
+from tautwire.analyses.road.elasticity import elasticity
+from tautwire.assessment.comparison.coverage import covered
+from tautwire.assessment.comparison.geometry import GeometryRow, compare_geometry
+from tautwire.assessment.comparison.measurement import (
+    MeasurementComparison,
+    compare_with_measurement,
+)
+from tautwire.assessment.comparison.points import PointComparison, compare_points, judged
+from tautwire.assessment.limits import Limits, load_limits
 from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
 from tautwire.cli.folders import Files, prepared_folder, tell_files
@@ -23,12 +30,17 @@ from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.attached import load_project
 from tautwire.inputs.reading.recording import RecordingFile
+from tautwire.inputs.reading.survey import load_survey
+from tautwire.measured.evaluation import evaluate
 from tautwire.measured.files.formats import is_computed
+from tautwire.model.build import build
 from tautwire.report.parts.recordings.comparison import (
     HEADS,
+    POINT_HEADS,
     number_row,
     outcome_of,
     percentile_rows,
+    point_rows,
     verdict_of,
 )
 from tautwire.report.parts.words import readable
@@ -55,6 +67,10 @@ class ComparisonRequest:
     offset : str
     search : str or None
     limits : Path or None
+    points : Path or None
+        Elasticity and uplift at places.
+    elasticity_force : str or None
+        Under which elasticity was measured; that of the case by default.
     project : Path or None
         File with the project block.
     """
@@ -65,7 +81,14 @@ class ComparisonRequest:
     offset: str = "0 m"
     search: str | None = None
     limits: Path | None = None
+    points: Path | None = None
+    elasticity_force: str | None = None
     project: Path | None = None
+
+    def runs(self) -> list[Path]:
+        """Return the runs among the files; the first is one in any case."""
+        first, *others = self.files
+        return [first, *(path for path in others if is_computed(path))]
 
     def pairs(self) -> list[tuple[Path, Path]]:
         """Return runs and recordings in pairs.
@@ -75,12 +98,13 @@ class ComparisonRequest:
         InputError
             When they make no pairs.
         """
-        first, *others = self.files
-        runs = [first, *(path for path in others if is_computed(path))]
-        recordings = [path for path in others if path not in runs]
+        runs = self.runs()
+        recordings = [path for path in self.files if path not in runs]
+        if not recordings and self.points is not None:
+            return []
         if not recordings:
             raise InputError(
-                f"{first}: give a recording too, as in: tautwire compare run.nc recording.csv"
+                f"{runs[0]}: give a recording too, as in: tautwire compare run.nc recording.csv"
             )
         if len(runs) != len(recordings) and 1 not in (len(runs), len(recordings)):
             raise InputError(
@@ -100,31 +124,48 @@ class ComparisonRequest:
         return self.pantographs[number % len(self.pantographs)] if self.pantographs else None
 
 
+_Recorded = list[tuple[Run, MeasurementComparison]]
+_Pointed = list[tuple[Run, PointComparison]]
+
+
 def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -> None:
-    """Compare stored runs with recordings, show the tables and write the files asked for."""
-    offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST)
+    """Compare stored runs with what was measured, show the tables and write the files asked for."""
+    limits = None if request.limits is None else load_limits(request.limits)
+    block = None if request.project is None else load_project(request.project)
+    pairs, paths = request.pairs(), request.runs()
+    runs = dict(zip(paths, load_runs(paths), strict=True))
+    found = _recorded(answer, request, [(path, runs[path], other) for path, other in pairs], limits)
+    points = _pointed(answer, request, runs, limits)
+    if out is not None:
+        _write_files(answer, out, found, points, block)
+
+
+def _recorded(
+    answer: Answer,
+    request: ComparisonRequest,
+    pairs: Sequence[tuple[Path, Run, Path]],
+    limits: Limits | None,
+) -> _Recorded:
+    """Compare runs with recordings and show what is found."""
+    offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST) or 0.0
     search = quantity("--search", request.search, "m", 0.0, FARTHEST)
     treatment = request.reading.treatment()
-    limits = None if request.limits is None else load_limits(request.limits)
-    pairs = request.pairs()
-    block = None if request.project is None else load_project(request.project)
-    runs = dict(zip((path for path, _ in pairs), load_runs([a for a, _ in pairs]), strict=True))
     opened: dict[Path, RecordingFile] = {}
-    found: list[MeasurementComparison] = []
+    found: _Recorded = []
     told: list[dict[str, Any]] = []
-    compared_runs: list[Run] = []
-    for number, (run_file, path) in enumerate(pairs):
-        run = runs[run_file]
+    for number, (run_file, run, path) in enumerate(pairs):
         if path not in opened:
             reading = replace(request.reading, path=path)
             opened[path] = reading.opened(run.case.scenario.speed)
             announce_recording(answer, opened[path])
         recording = opened[path].recording
-        geometry = compare_geometry(run, recording, offset=offset or 0.0)
+        geometry = compare_geometry(run, recording, offset=offset)
         about = {"run": str(run_file), "case": run.case.name, "status": run.status}
         told.append({**about, "geometry": [row.as_dict() for row in geometry]})
+        answer.warn([row.note for row in geometry if row.note])
         if not len(recording.forces):
             told[-1] |= {"measurement": recording.label, "notes": list(recording.notes)}
+            told[-1]["evaluation"] = evaluate(recording, treatment).as_dict()
             answer.warn(recording.notes)
             answer.show(
                 heading("Comparison with a measurement", f"{run_file} and {recording.label}"),
@@ -136,20 +177,54 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
             recording,
             pantograph=request.pantograph_of(number, len(pairs)),
             treatment=treatment,
-            offset=offset or 0.0,
+            offset=offset,
             search=search,
             limits=limits,
         )
-        found.append(compared)
-        compared_runs.append(run)
+        found.append((run, compared))
         told[-1] |= compared.as_dict()
         answer.warn([*compared.notes, *_faults(compared)])
         answer.show(*_comparison_view(run_file, compared), *_geometry_view(geometry))
     answer.document.update({"version": __version__, "comparisons": told})
     if found:
-        answer.document["covers"] = covered([compared.coverage for compared in found])
-    if out is not None:
-        _write_files(answer, out, compared_runs, found, block)
+        answer.document["covers"] = covered([compared.coverage for _, compared in found])
+    return found
+
+
+def _pointed(
+    answer: Answer,
+    request: ComparisonRequest,
+    runs: Mapping[Path, Run],
+    limits: Limits | None,
+) -> _Pointed:
+    """Compare elasticity and uplift at places with every run, and show what is found."""
+    force = quantity("--elasticity-force", request.elasticity_force, "N", 1.0, 1e4)
+    found: _Pointed = []
+    told: list[dict[str, Any]] = []
+    for path, run in runs.items() if request.points is not None else ():
+        assert request.points is not None
+        survey = load_survey(request.points, run.case)
+        curve = None
+        if survey.of("elasticity"):
+            curve = elasticity(build(run.case), run.equilibrium, force=force)
+        section = analysed_section(run, (1, run.case.line.spans))
+        uplift = support_uplift(run, section).uplift
+        one = compare_points(run, survey, elasticity=curve, uplift=uplift, limits=limits)
+        found.append((run, one))
+        told.append({"run": str(path), "case": run.case.name, **one.as_dict()})
+        if curve is not None:
+            told[-1]["elasticity_force_n"] = curve.force
+        rows = [(*row, verdict_of(row_.numbers))
+                for row, row_ in zip(point_rows(one), one.rows, strict=True)]  # fmt: skip
+        answer.warn(one.notes)
+        answer.show(
+            heading("Elasticity and uplift at places", f"{path} and {survey.label}"),
+            table(POINT_HEADS, "lLrrrLL", rows),
+            judged(one.rows),
+        )
+    if told:
+        answer.document["points"] = told
+    return found
 
 
 def _faults(compared: MeasurementComparison) -> list[str]:
@@ -175,23 +250,20 @@ def _geometry_view(rows: Sequence[GeometryRow]) -> list[Any]:
 
 
 def _write_files(
-    answer: Answer,
-    out: Path,
-    runs: Sequence[Run],
-    found: Sequence[MeasurementComparison],
-    project: Project | None,
+    answer: Answer, out: Path, found: _Recorded, points: _Pointed, project: Project | None
 ) -> None:
     from tautwire.report.pages.comparison_page import compose_comparison
 
     with prepared_folder(out):
         files = Files(out)
-        if found:
-            page = compose_comparison(runs, found, project)
+        if found or points:
+            runs, compared = [run for run, _ in found], [one for _, one in found]
+            page = compose_comparison(runs, compared, project, points)
             files.write("comparison.html", page.write)
         text = to_json(answer.document) + "\n"
         files.write("comparison.json", lambda path: write_text(path, text))
-        for number, compared in enumerate(found, 1):
-            content = overlay_csv(compared)
+        for number, (_, one) in enumerate(found, 1):
+            content = overlay_csv(one)
             name = "forces.csv" if number == 1 else f"forces-{number}.csv"
             files.write(name, lambda path, content=content: write_text(path, content))
     tell_files(answer, files)

@@ -32,7 +32,7 @@ class RecordingRequest:
     masses : tuple of str
     is_filtered : bool
     stretch : str
-    high : str or None
+    high, hard : str or None
     """
 
     path: Path
@@ -42,6 +42,7 @@ class RecordingRequest:
     is_filtered: bool = False
     stretch: str = "1 km"
     high: str | None = None
+    hard: str | None = None
 
     def opened(self, speed: float | None = None) -> RecordingFile:
         """Open the file; `speed` holds where none is given."""
@@ -57,6 +58,7 @@ class RecordingRequest:
             masses={number: mass or 0.0 for number, mass in enumerate(masses, 1)},
             stretch=stretch or 1000.0,
             high_above=quantity("--high", self.high, "N", 0.0, 1e5),
+            hard_above=quantity("--hard", self.hard, "m/s^2", 1.0, 1e5),
             **changes,
         )
 

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
+from typing import Any
 
-from tautwire.assessment.coverage import Coverage
-from tautwire.assessment.measurement import MeasurementComparison, MeasurementRow
-from tautwire.report.parts.words import MISSING, counted, number, quantity, readable, speed
+from tautwire.assessment.comparison.coverage import Coverage
+from tautwire.assessment.comparison.measurement import MeasurementComparison, MeasurementRow
+from tautwire.assessment.comparison.points import PointComparison
+from tautwire.report.parts.words import (
+    MISSING,
+    counted,
+    listing,
+    number,
+    quantity,
+    readable,
+    speed,
+)
 
 _NAMES = {
     "mean": "mean",
@@ -15,11 +26,14 @@ _NAMES = {
     "minimum": "minimum",
     "uplift": "uplift",
     "contact_height_range": "height range",
+    "elasticity": "elasticity",
 }
 UNCHECKED = "tolerance not checked"
 """Said beside a tolerance that nobody compared with the text of its standard."""
 HEADS = ("", "simulated", "measured", "difference", "allowed", "verdict")
 """Heading of the table of numbers."""
+POINT_HEADS = ("", "at", *HEADS[1:])
+"""Heading of the table of places."""
 
 
 def name_of(quantity: str) -> str:
@@ -49,9 +63,9 @@ def verdict_of(row: MeasurementRow) -> str:
     return "met" if row.within else "missed"
 
 
-def source_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
+def source_rows(rows: Iterable[MeasurementRow]) -> list[tuple[str, ...]]:
     """Return where each tolerance comes from."""
-    return [
+    every = [
         (
             name_of(row.quantity),
             f"{row.standard} {row.edition or ''}".strip(),
@@ -59,9 +73,21 @@ def source_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
             "verified" if row.verified else "not verified",
             row.note,
         )
-        for row in compared.rows
+        for row in rows
         if row.standard is not None
     ]
+    return list(dict.fromkeys(every))
+
+
+def point_rows(compared: PointComparison) -> list[tuple[str, ...]]:
+    """Return the rows of the table of places, without their verdicts."""
+    rows = []
+    for one in compared.rows:
+        name, simulated, measured, *others = number_row(one.numbers)
+        if math.isfinite(one.accuracy):
+            measured = f"{measured} ± {readable(one.accuracy, one.numbers.unit)}"
+        rows.append((name, one.place, simulated, measured, *others))
+    return rows
 
 
 def outcome_of(compared: MeasurementComparison) -> str:
@@ -102,17 +128,44 @@ def coverage_rows(part: Coverage) -> list[tuple[str, str]]:
     shortest, longest = part.span_lengths
     lengths = f"{shortest:g} m" if shortest == longest else f"{shortest:g} to {longest:g} m"
     behind = ", ".join(f"{value:g}" for value in part.spacing)
+    masses = listing([f"{mass:g}" for mass in part.masses])
     return [
-        ("line", part.case),
+        ("line", f"{part.case}, {part.line_type}"),
         ("wires", ", ".join(f"{name} {1e-3 * t:g} kN" for name, t in part.wires.items())),
         ("spans", f"{part.spans[0]} to {part.spans[1]}, {lengths}; {part.length:.0f} m in all"),
-        ("pantograph", f"{part.pantograph}, {counted(part.pantographs, 'pantograph')}"
+        ("pantograph", f"{part.pantograph}, masses {masses} kg; "
+         + counted(part.pantographs, "pantograph")
          + (f" at {behind} m behind the first" if part.pantographs > 1 else "")),
         ("simulated speed", speed(part.simulated_speed)),
         ("measured speed", speed(part.measured_speed)),
         ("direction", part.direction),
         ("measured samples hold", f"up to {part.highest_frequency:.3g} Hz"),
     ]  # fmt: skip
+
+
+def envelope_rows(covers: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what several comparisons cover together, in words."""
+    wires = ", ".join(
+        f"{name} {_span(pair, 1e-3)} kN" for name, pair in covers["tensions_n"].items()
+    )
+    masses = "; ".join(listing([f"{mass:g}" for mass in own])
+                       for own in covers["pantograph_masses_kg"])  # fmt: skip
+    return [
+        ("lines", listing(covers["lines"])),
+        ("types of line", "; ".join(covers["line_types"])),
+        ("wires", wires),
+        ("spans", f"{_span(covers['span_lengths_m'])} m; {covers['length_m']:.0f} m in all"),
+        ("pantographs", f"{listing(covers['pantographs'])}, masses {masses} kg"),
+        ("pantographs at a time", listing([str(n) for n in covers["numbers_of_pantographs"]])),
+        ("simulated speed", f"{_span(covers['speed_kmh'])} km/h"),
+        ("measured speed", f"{_span(covers['measured_speed_kmh'])} km/h"),
+        ("direction", listing(covers["directions"])),
+    ]
+
+
+def _span(pair: Iterable[float], factor: float = 1.0) -> str:
+    low, high = (factor * value for value in pair)
+    return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g} to {high:.4g}"
 
 
 def _difference(row: MeasurementRow) -> str:

@@ -15,6 +15,8 @@ COUNTED = (
     "Lrrrrr",
 )
 """Heading and alignment of the table of stretches."""
+EVENTS = ("event", "position [m]", "duration [ms]", "extreme")
+_UNITS = ((" m s2", "m/s²"), (" m s", "m/s"), (" kg", "kg"), (" n", "N"), (" m", "m"))
 _UNSAID = ("name", "cutoff_hz")
 """What a step says elsewhere: its name beside it, its cut-off in the words of the filter."""
 
@@ -64,7 +66,7 @@ def step_rows(found: Evaluation) -> list[tuple[str, str]]:
 
 def _parameter(key: str, value: Any) -> str:
     words = key.replace("_", " ")
-    for suffix, unit in ((" m s", "m/s"), (" kg", "kg"), (" n", "N"), (" m", "m")):
+    for suffix, unit in _UNITS:
         if words.endswith(suffix):
             return f"{words.removesuffix(suffix)} {_value(value)} {unit}"
     return f"{words} {_value(value)}"
@@ -94,13 +96,13 @@ def stretch_rows(found: Evaluation) -> list[tuple[str, ...]]:
 
 
 def event_rows(found: Evaluation) -> list[tuple[str, ...]]:
-    """Return the events."""
+    """Return the events under :data:`EVENTS`."""
     return [
         (
             str(one["kind"]),
             number(one["position"]),
             number(1e3 * (one["end"] - one["start"])),
-            number(one["extreme"]),
+            quantity(one["extreme"], one["unit"].replace("^2", "²")),
         )
         for one in found.events
     ]

@@ -2,35 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from tautwire.analyses.survey.corrections import Correction
-from tautwire.analyses.survey.rank import TOGETHER, Figures, Ranking
+from tautwire.analyses.survey.rank import Figures, Ranked, Ranking
+from tautwire.specs.line.catenary import Line
 from tautwire.text import csv_text
 
 RANK_HEAD = ("", "place", "x\n[m]", "set\n[mm]", "to\n[mm]", "effect\n[N]", "σ alone\n[N]",
              "σ then\n[N]", "max then\n[N]", "min then\n[N]")  # fmt: skip
-CREW_HEAD = ("", "place", "x [m]", "as built [mm]", "set to [mm]", "change [mm]", "done")
+CREW_HEAD = ("", "place", "from support [m]", "as built [mm]", "set to [mm]", "change [mm]", "done")
 FIGURE_HEAD = ("", "σ [N]", "max [N]", "min [N]", "loss [%]")
 SHOWN = 30
 """Corrections on the terminal; all are in the files."""
 
 
-def place_of(one: Correction) -> str:
-    """Name the place of a correction."""
-    if one.kind == "dropper":
-        return f"dropper {one.number} of span {one.span}"
-    return f"{one.kind}, support {one.number}"
+def line_names(rankings: Sequence[Ranking]) -> list[str]:
+    """Name the lines; those of one name are told apart by their numbers."""
+    names = [ranking.case.name for ranking in rankings]
+    return [
+        name if names.count(name) == 1 else f"{name} ({number})"
+        for number, name in enumerate(names, 1)
+    ]
 
 
-def rank_rows(ranking: Ranking) -> list[tuple[str, ...]]:
+def listed(rankings: Sequence[Ranking]) -> list[tuple[int, Ranked]]:
+    """Return all corrections with the number of their line, from 0, in the order of the list."""
+    found = [(line, one) for line, ranking in enumerate(rankings) for one in ranking.ranked]
+    return sorted(found, key=lambda item: item[1].place)
+
+
+def place_of(one: Correction, line: Line) -> str:
+    """Name the place of a correction, by masts and chainage where the line has them."""
+    if one.kind != "dropper":
+        return f"{one.kind}, {line.support_in_words(one.number)}"
+    parts = [f"dropper {one.number} of span {one.span}"]
+    if line.masts is not None:
+        parts.append(f"mast {line.masts[one.span - 1]} to {line.masts[one.span]}")
+    if line.chainage is not None:
+        parts.append(f"km {line.chainage_at(one.x) / 1e3:.3f}")
+    return ", ".join(parts)
+
+
+def rank_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
     """Return one row per correction, with the figures predicted for it and those before it."""
-    rows = []
-    for number, one in enumerate(ranking.ranked, 1):
-        then = one.together
+    names, rows = line_names(rankings), []
+    for line, one in listed(rankings):
+        ranking, then = rankings[line], one.together
         gain = one.alone.standard_deviation - ranking.built.standard_deviation
         rows.append(
             (
-                str(number),
-                place_of(one.correction),
+                str(one.place),
+                _in_line(place_of(one.correction, ranking.case.line), names, line),
                 f"{one.correction.x:.2f}",
                 f"{1e3 * one.correction.change:+.1f}",
                 _target(one.correction),
@@ -44,37 +67,50 @@ def rank_rows(ranking: Ranking) -> list[tuple[str, ...]]:
     return rows
 
 
+def _in_line(text: str, names: Sequence[str], line: int) -> str:
+    """Say of which line something is told, where there are several."""
+    return text if len(names) == 1 else f"{names[line]}: {text}"
+
+
 def _target(one: Correction) -> str:
     return f"{1e3 * one.design:.0f}" if one.kind == "dropper" else "design"
 
 
-def crew_rows(ranking: Ranking) -> list[tuple[str, ...]]:
-    """Return the first corrections as a crew needs them, from left to right."""
-    first = enumerate(ranking.ranked[:TOGETHER], 1)
-    ordered = sorted(first, key=lambda item: item[1].correction.x)
-    return [
-        (
-            str(number),
-            place_of(one.correction),
-            f"{one.correction.x:.2f}",
-            f"{1e3 * one.correction.built:.0f}" if one.correction.kind == "dropper" else "",
-            _target(one.correction),
-            f"{1e3 * one.correction.change:+.0f}",
-            "",
-        )
-        for number, one in ordered
-    ]
+def crew_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
+    """Return the first corrections as a crew needs them, line by line and from left to right."""
+    names, rows = line_names(rankings), []
+    for line, ranking in enumerate(rankings):
+        spec = ranking.case.line
+        masts = spec.support_positions()
+        for one in sorted(ranking.ranked[: ranking.made], key=lambda one: one.correction.x):
+            told = one.correction
+            rows.append(
+                (
+                    str(one.place),
+                    _in_line(place_of(told, spec), names, line),
+                    f"{told.x - masts[told.span - 1]:.2f}",
+                    f"{1e3 * told.built:.0f}" if told.kind == "dropper" else "",
+                    _target(told),
+                    f"{1e3 * told.change:+.0f}",
+                    "",
+                )
+            )
+    return rows
 
 
-def figure_rows(ranking: Ranking) -> list[tuple[str, ...]]:
+def figure_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
     """Return the figures as built, and with the first corrections as predicted and computed."""
-    count = min(TOGETHER, len(ranking.ranked))
-    last = ranking.ranked[count - 1].together
-    return [
-        _figures("as built", ranking.built),
-        _figures(f"first {count} corrected, predicted", last),
-        _figures(f"first {count} corrected, computed", ranking.checked),
-    ]
+    names, rows = line_names(rankings), []
+    for line, ranking in enumerate(rankings):
+        count = ranking.made
+        told = [("as built", ranking.built)]
+        if count:
+            told += [
+                (f"{count} corrected, predicted", ranking.ranked[count - 1].together),
+                (f"{count} corrected, computed", ranking.checked),
+            ]
+        rows += [_figures(_in_line(text, names, line), figures) for text, figures in told]
+    return rows
 
 
 def _figures(name: str, one: Figures) -> tuple[str, ...]:
@@ -87,18 +123,19 @@ def _figures(name: str, one: Figures) -> tuple[str, ...]:
     )
 
 
-def corrections_csv(ranking: Ranking) -> str:
+def corrections_csv(rankings: Sequence[Ranking]) -> str:
     """Return all corrections as CSV."""
-    head = ("rank", "kind", "span or support", "number", "x [m]", "as built [m]", "design [m]",
-            "effect [N]", "sigma alone [N]", "max alone [N]", "min alone [N]", "loss alone",
-            "sigma then [N]", "max then [N]", "min then [N]", "loss then",
+    head = ("rank", "line", "kind", "span or support", "number", "place", "x [m]", "as built [m]",
+            "design [m]", "effect [N]", "sigma alone [N]", "max alone [N]", "min alone [N]",
+            "loss alone", "sigma then [N]", "max then [N]", "min then [N]", "loss then",
             "uplift change [m]")  # fmt: skip
-    rows = []
-    for number, one in enumerate(ranking.ranked, 1):
+    names, rows = line_names(rankings), []
+    for line, one in listed(rankings):
         told, alone, then = one.correction, one.alone, one.together
         rows.append(
             (
-                number, told.kind, told.span, told.number, f"{told.x:.3f}",
+                one.place, names[line], told.kind, told.span, told.number,
+                place_of(told, rankings[line].case.line), f"{told.x:.3f}",
                 f"{told.built:.5f}", f"{told.design:.5f}", f"{one.effect:.4g}",
                 *(f"{value:.5g}" for f in (alone, then) for value in vars(f).values()),
                 f"{one.uplift:.5f}",

@@ -8,13 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.assessment.placement import model_position
+from tautwire.assessment.comparison.placement import model_position
 from tautwire.errors import InputError
 from tautwire.measured.recording import Recording
 from tautwire.plain import Plain, named
 from tautwire.results.run import Run
 
 Array = NDArray[np.float64]
+
+_MIRRORED = -0.7
+"""Correlation of staggers from which the measured one counts as mirrored: a zigzag of the other
+side has nearly -1, one of another track anything between. Chosen."""
+_ZIGZAG = 0.03
+"""Least standard deviation of a stagger that has sides to exchange [m]."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,8 @@ class GeometryRow(Plain):
     place : float m
         Where that is, in the model.
     samples : int
+    note : str
+        That left and right are exchanged, where they seem to be.
     """
 
     quantity: str
@@ -38,6 +46,7 @@ class GeometryRow(Plain):
     largest: float = field(metadata=named("largest_m"))
     place: float = field(metadata=named("place_m"))
     samples: int
+    note: str = ""
 
 
 def compare_geometry(
@@ -52,7 +61,7 @@ def compare_geometry(
     run
     recording
     offset : float m
-        As for :func:`~tautwire.assessment.measurement.compare_with_measurement`.
+        As for :func:`~tautwire.assessment.comparison.measurement.compare_with_measurement`.
 
     Returns
     -------
@@ -96,6 +105,21 @@ def compare_geometry(
                 float(difference[worst]),
                 float(place[known][worst]),
                 int(known.sum()),
+                _mirrored(quantity, model(place[known]), values[known]),
             )
         )
     return tuple(rows)
+
+
+def _mirrored(quantity: str, model: Array, measured: Array) -> str:
+    """Say so where a measured stagger is that of the line with left and right exchanged."""
+    if quantity != "stagger" or min(model.std(), measured.std()) < _ZIGZAG:
+        return ""
+    correlation = float(np.corrcoef(model, measured)[0, 1])
+    if correlation > _MIRRORED:
+        return ""
+    return (
+        f"the measured stagger goes against that of the line (correlation {correlation:.2f}): left "
+        "and right are exchanged, or the record is mirrored or of the neighbouring track; "
+        "'stagger_positive: right' in the mapping file turns it"
+    )

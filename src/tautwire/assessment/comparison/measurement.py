@@ -14,9 +14,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.assessment.coverage import Coverage, coverage_of
+from tautwire.assessment.comparison.coverage import Coverage, coverage_of
+from tautwire.assessment.comparison.placement import Placement, place_on_line
 from tautwire.assessment.limits import Limits, Tolerance, limits_of
-from tautwire.assessment.placement import Placement, place_on_line
 from tautwire.errors import InputError
 from tautwire.measured.evaluation import (
     BANDS,
@@ -39,7 +39,7 @@ from tautwire.signals.spectra import Spectrum, amplitude_spectrum
 
 Array = NDArray[np.float64]
 
-_UNITS = {"uplift": "m", "contact_height_range": "m"}
+_UNITS = {"uplift": "m", "contact_height_range": "m", "elasticity": "m/N"}
 _UP_TO = {
     "standard_deviation": 20.0,
     "maximum": 20.0,
@@ -440,18 +440,30 @@ def _judged(
     """Return a row; what lies beyond the samples has no tolerance, and its note says why."""
     wanted = _UP_TO.get(quantity, 0.0)
     if highest >= wanted:
-        return _row(quantity, simulated, measured, tolerances.get(quantity))
+        return row_of(quantity, simulated, measured, tolerances.get(quantity))
     note = f"not judged: needs {wanted:g} Hz, the samples hold {highest:.3g} Hz"
-    return _row(quantity, simulated, measured, None, note)
+    return row_of(quantity, simulated, measured, None, note)
 
 
-def _row(
+def row_of(
     quantity: str,
     simulated: float,
     measured: float,
     tolerance: Tolerance | None,
     note: str = "",
 ) -> MeasurementRow:
+    """Return one number of a run beside the measured one, and whether its tolerance is met.
+
+    Parameters
+    ----------
+    quantity : str
+    simulated, measured : float
+        In SI.
+    tolerance : Tolerance or None
+        None where none is known.
+    note : str
+        Told where there is no tolerance.
+    """
     difference = simulated - measured
     relative = difference / measured if measured else None
     is_relative = tolerance is not None and tolerance.relative

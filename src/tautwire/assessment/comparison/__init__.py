@@ -1,0 +1,1 @@
+"""Runs beside what was measured: force, position of the wire, elasticity, uplift."""
