@@ -161,19 +161,19 @@ void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double k
     const RowSet whole(layout);
     const auto each_run = [&](auto work) {
         for (int part = 0; part < layout.parts; ++part)
-            for (const Run& run : whole.runs[part]) work(run);
+            for (const Run& run : whole.runs[part]) work(part, run);
     };
-    each_run([&](const Run& run) {
+    each_run([&](int part, const Run& run) {
         for (int row = run.first; row <= run.last(); ++row)
             matrix.eliminate(row, row == run.first, rows[row]);
-        matrix.end_run(run);
+        matrix.end_run(whole, part, run);
     });
     for (int part = 0; part < layout.parts; ++part) matrix.finish_elimination(whole, part);
     for (int part = 0; part < layout.parts; ++part) matrix.project(whole, part);
     expect(matrix.solve_couplings(closed, compliance), "couplings are positive definite");
     for (int part = 0; part < layout.parts; ++part) matrix.apply_couplings(whole, part);
     Floats size = broadcast<Floats>(0.0), total = size;
-    each_run([&](const Run& run) {
+    each_run([&](int, const Run& run) {
         typename P::Local local;
         matrix.begin_substitution(whole, run, local);
         for (int row = run.last(); row >= run.first; --row)

@@ -89,7 +89,8 @@ enum class Outcome { running, not_converged, singular, not_finite, off_the_line,
 struct Counters {
     std::int64_t steps, iterations, refactorisations, full_newton_steps;
     std::int64_t local_iterations;  // in some rows alone
-    std::int64_t local_rows;        // rows of local iterations
+    std::int64_t local_rows;        // rows of local iterations where residuals were formed
+    std::int64_t solved_rows;       // rows of local iterations that were solved for
     double overlooked;              // largest increment where none above the tolerance was expected [m]
 };
 

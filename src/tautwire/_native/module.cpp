@@ -65,11 +65,11 @@ public:
         engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
     }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t,
-               double>
+               std::int64_t, double>
     counters() const {
         const Counters c = engine_->counters();
         return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps,
-                c.local_iterations, c.local_rows, c.overlooked};
+                c.local_iterations, c.local_rows, c.solved_rows, c.overlooked};
     }
 
 private:

@@ -31,14 +31,16 @@ public:
         if (!starts) subtract_lower(row, y - 6, rhs);
         for (int i = 0; i < 6; ++i) y[i] = rhs[i];
     }
-    void end_run(const Run& run) {
-        if (run.last() + 1 != layout_.bound(layout_.part(run.last()) + 1)) return;
-        Floats* end = ends_[layout_.part(run.last())];
-        for (int i = 0; i < 6; ++i) end[i] = y_[run.last() * 6 + i];
+    void end_run(const RowSet& set, int part, const Run& run) {
+        if (run.last() + 1 != set.bounds[part + 1]) return;
+        for (int i = 0; i < 6; ++i) ends_[part][i] = y_[run.last() * 6 + i];
     }
     // Bring in what the last rows of the part before contribute.
     void finish_elimination(const RowSet& set, int part) {
-        if (is_local_) {
+        bool is_local = true;
+        for (int each = 0; each < layout_.parts; ++each)
+            is_local &= forward_reach_ <= set.bounds[each + 1] - set.bounds[each];
+        if (is_local) {
             carry_over(set, part);
         } else if (part == 0) {  // it is felt beyond the next part
             for (int each = 0; each < layout_.parts; ++each) carry_over(set, each);
@@ -131,7 +133,7 @@ private:
 
     // Add to the rows of a part what follows from the end of the part before.
     void carry_over(const RowSet& set, int part) {
-        int row = layout_.bound(part);
+        int row = set.bounds[part];
         if (!set.solved[layout_.before(row)]) return;
         Floats carry[6];
         for (int i = 0; i < 6; ++i) carry[i] = ends_[part > 0 ? part - 1 : layout_.parts - 1][i];
@@ -157,7 +159,6 @@ private:
     Buffer<Floats> y_;        // [row][i]
     Floats ends_[kMostParts][6];  // y of the last rows of the parts, before anything is carried over
     int forward_reach_ = 0, backward_reach_ = 0;
-    bool is_local_ = false;  // what is carried over stays in the next part
 };
 
 inline bool Chain::factor(const Buffer<NodeBlocks>& blocks) {
@@ -174,7 +175,6 @@ inline bool Chain::factor(const Buffer<NodeBlocks>& blocks) {
     for (int i = 0; i < 36; ++i) lower_[layout_.rows * 36 + i] = to_previous_piece(lower_[i]);
     forward_reach_ = reach(true);
     backward_reach_ = reach(false);
-    is_local_ = forward_reach_ <= layout_.rows / layout_.parts;
     return true;
 }
 

@@ -57,7 +57,7 @@ private:
         int coupling, node, last_node;
         int first, last;  // entries, last excluded
     };
-    // The entries of an end in one part: last excluded, and the rows that they span.
+    // Entries of an end in rows that follow each other, last excluded, and these rows.
     struct Section {
         int coupling, first, last;
         int row, last_row;
@@ -104,9 +104,8 @@ private:
     List<int> dofs_;       // of the entries
     List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
-    List<Section> sections_[kMostParts];
-    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
-    int line_sections_[kMostParts] = {};
+    List<Section> sections_;
+    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0, line_sections_ = 0;
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
     Skyline matrix_;       // S
@@ -167,11 +166,10 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     dofs_.shorten(0);
     pairs_.shorten(0);
     line_count_ = static_cast<int>(couplings_.size());
-    for (List<Section>& sections : sections_) sections.shorten(0);
+    sections_.shorten(0);
     for (int k = 0; k < line_count_; ++k) add_ends(chain, k);
     for (const End& end : ends_) divide(end);
-    for (int part = 0; part < kMostParts; ++part)
-        line_sections_[part] = static_cast<int>(sections_[part].size());
+    line_sections_ = static_cast<int>(sections_.size());
     line_ends_ = static_cast<int>(ends_.size());
     line_entries_ = static_cast<int>(entries_.size());
 
@@ -281,18 +279,14 @@ inline void Couplings::cut(int k) {
     sizes_.shorten(0);
 }
 
-// Divide the entries of an end, which lie node after node, among the parts.
+// Divide the entries of an end, which lie node after node, where they go on in the next piece.
 inline void Couplings::divide(const End& end) {
-    const Layout& layout = line_.layout;
     for (int first = end.first, last = first; first < end.last; first = last) {
-        const int row = row_of(entries_[first]), part = layout.part(row);
+        const int row = row_of(entries_[first]);
         int last_row = row;
-        for (; last < end.last; ++last) {
-            const int here = row_of(entries_[last]);
-            if (here < last_row || layout.part(here) != part) break;
-            last_row = here;
-        }
-        sections_[part].push({end.coupling, first, last, row, last_row});
+        for (; last < end.last && row_of(entries_[last]) >= last_row; ++last)
+            last_row = row_of(entries_[last]);
+        sections_.push({end.coupling, first, last, row, last_row});
     }
 }
 
@@ -329,7 +323,7 @@ inline void Couplings::clear_contacts() {
     entries_.shorten(line_entries_);
     dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
-    for (int part = 0; part < kMostParts; ++part) sections_[part].shorten(line_sections_[part]);
+    sections_.shorten(line_sections_);
     matrix_.shorten(line_count_);
     active_.shorten(line_count_);
 }
@@ -400,17 +394,15 @@ inline bool Couplings::prepare(const bool* closed, const double* compliance) {
 template <class F>
 void Couplings::visit(const RowSet& set, int part, F work) const {
     const Entry* entries = entries_.begin();
-    for (const Section& section : sections_[part]) {
-        int solved = section.last_row - section.row + 1;
-        if (!set.whole) {
-            solved = 0;
-            for (int row = section.row; row <= section.last_row; ++row) solved += set.solved[row];
-            if (solved == 0) continue;
-        }
-        const bool all = solved == section.last_row - section.row + 1;
+    for (const Section& section : sections_) {
+        const int here = set.count_solved(part, section.row, section.last_row);
+        if (here == 0) continue;
+        const bool all = here == section.last_row - section.row + 1;
         work(section.coupling, [&](auto f) {
-            for (int n = section.first; n < section.last; ++n)
-                if (all || set.solved[row_of(entries[n])]) f(entries[n]);
+            for (int n = section.first; n < section.last; ++n) {
+                const int row = all ? 0 : row_of(entries[n]);
+                if (all || (set.solved[row] && set.is_in(part, row))) f(entries[n]);
+            }
         });
     }
 }

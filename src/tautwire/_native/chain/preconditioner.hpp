@@ -80,7 +80,7 @@ public:
         for (Floats& value : x) value = broadcast<Floats>(0.0);
         chain_.eliminate(row, starts, x);
     }
-    void end_run(const Run& run) { chain_.end_run(run); }
+    void end_run(const RowSet& set, int part, const Run& run) { chain_.end_run(set, part, run); }
     // To be called for all parts when all of them are eliminated.
     void finish_elimination(const RowSet& set, int part) {
         chain_.finish_elimination(set, part);

@@ -35,9 +35,17 @@ class NodeList {
 public:
     template <class T>
     NodeList(const Layout& layout, const Buffer<T>& parts, int T::*node)
-        : count_(static_cast<int>(parts.size())), at_(static_cast<std::size_t>(registers() * kLanes)) {
+        : count_(static_cast<int>(parts.size())), at_(static_cast<std::size_t>(registers() * kLanes)),
+          span_(static_cast<std::size_t>(registers())) {
         for (std::size_t n = 0; n < at_.size(); ++n)
             at_[n] = layout.in_doubles(parts[n < parts.size() ? n : parts.size() - 1].*node);
+        for (int k = 0; k < registers(); ++k) {
+            Span& span = span_[k] = {row(k, 0), row(k, 0)};
+            for (int lane = 1; lane < kLanes; ++lane) {
+                span.first = span.first < row(k, lane) ? span.first : row(k, lane);
+                span.last = span.last > row(k, lane) ? span.last : row(k, lane);
+            }
+        }
     }
 
     static int registers(int count) { return (count + kLanes - 1) / kLanes; }
@@ -46,11 +54,10 @@ public:
     int filled(int k) const { return count_ - k * kLanes < kLanes ? count_ - k * kLanes : kLanes; }
     const int* at(int k) const { return &at_[k * kLanes]; }
     int row(int k, int lane) const { return at(k)[lane] / (12 * kLanes); }
-    bool meets(const RowSet& set, int k) const {
-        if (set.whole) return true;
-        bool any = false;
-        for (int lane = 0; lane < kLanes; ++lane) any |= set.formed[row(k, lane)];
-        return any;
+    // Whether there are formed rows of a part among those from the first to the last of the nodes of
+    // a register.
+    bool meets(const RowSet& set, int part, int k) const {
+        return set.count_formed(part, span_[k].first, span_[k].last) > 0;
     }
     // The first register of a part: those that begin in its rows are its own.
     int first(const Layout& layout, int part) const {
@@ -81,6 +88,10 @@ public:
 private:
     int count_;
     Buffer<int> at_;  // where the first coordinate of a node stands, as a number
+    struct Span {
+        int first, last;
+    };
+    Buffer<Span> span_;  // rows of the registers
 };
 
 // Axial force of bars: stiffness (l - length) + damping dl/dt, as far as their law lets it act.
@@ -182,17 +193,16 @@ private:
 
     static constexpr int kKinds = 4;  // ties, clamps, stays, grounds
 
-    // Registers of a kind: one belongs to the part in which its first node is, but every part
-    // evaluates all that have an end in its rows.
-    bool owns(int part, int kind, int k) const {
-        return first_register_[kind][part] <= k && k < first_register_[kind][part + 1];
+    // Whether a register has an end in the formed rows of a part.
+    bool meets(const RowSet& set, int part, int kind, int k) const {
+        const NodeList* ends[kKinds][2] = {
+            {&lower_, &upper_}, {&host_, &other_}, {&stayed_, nullptr}, {&grounded_, nullptr}};
+        return ends[kind][0]->meets(set, part, k) ||
+               (ends[kind][1] && ends[kind][1]->meets(set, part, k));
     }
-    struct Needed {
-        int kind, k;
-    };
-    TAUTWIRE_INLINE void evaluate(const MotionView& view, int part, Needed needed, Doubles (&out)[3]);
+    TAUTWIRE_INLINE void evaluate(
+        const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]);
     void list_effects();
-    static int number_of(List<Needed>& list, Needed wanted);
     const Layout& layout_;
     double weight_;
     NodeList upper_, lower_, host_, other_, stayed_, grounded_;
@@ -200,20 +210,18 @@ private:
     // [register][component]
     Buffer<Doubles> clamp_stiffness_, clamp_offset_, stay_end_, ground_stiffness_, ground_damping_,
         ground_free_;
-    int first_register_[kKinds][kMostParts + 1] = {};  // of the parts, and behind the last
+    int registers_[kKinds] = {};     // how many
+    int first_tie_[kMostParts + 1];  // first register of ties of a part, and the one behind the last
     // What a force does to a node: which one, as a number of found_, with which sign; where in an
     // array of rows its first component acts, as a number, and what stood there.
     struct Effect {
         int from, at, row;
         double sign, before[3];
     };
-    // What a part works on alone.
-    struct Own {
-        List<Needed> needed;
-        Buffer<Doubles> found;  // [needed][component]
-        List<Effect> effects;   // row by row
-    };
-    Own own_[kMostParts];
+    Buffer<Effect> effects_;  // row by row
+    Buffer<int> first_effect_;  // [row], and behind the last
+    // [part][register][component], kind after kind: a part finds what it needs.
+    Buffer<Doubles> found_[kMostParts];
 };
 
 inline Buffer<Attachments::Tie> Attachments::ties_of(const LineData& data, const Line& line) {
@@ -314,37 +322,30 @@ inline void Attachments::list_effects() {
     const Side sides[] = {{lower_, ties.size(), 0, 1.0},    {upper_, ties.size(), 0, -1.0},
                           {host_, clamps.size(), 1, 1.0},   {other_, clamps.size(), 1, -1.0},
                           {stayed_, stays.size(), 2, -1.0}, {grounded_, grounds.size(), 3, -1.0}};
+    int begin[kKinds], count = 0;
     const NodeList* kinds[kKinds] = {&lower_, &host_, &stayed_, &grounded_};
-    for (int kind = 0; kind < kKinds; ++kind)
-        for (int part = 0; part <= layout_.parts; ++part)
-            first_register_[kind][part] = kinds[kind]->first(layout_, part);
-    for (int part = 0; part < layout_.parts; ++part) {
-        Own& own = own_[part];
-        Buffer<int> place(layout_.rows + 1);
-        List<Effect> effects;
-        for (const Side& side : sides)
-            for (std::size_t n = 0; n < side.count; ++n) {
-                const int k = static_cast<int>(n) / kLanes, lane = static_cast<int>(n) % kLanes;
-                const int row = side.nodes.row(k, lane);
-                if (layout_.part(row) != part) continue;
-                const int number = number_of(own.needed, {side.kind, k});
-                effects.push({3 * number * kLanes + lane, side.nodes.at(k)[lane], row, side.sign, {}});
-                ++place[row + 1];
-            }
-        own.found = Buffer<Doubles>(3 * own.needed.size());
-        for (int row = 0; row < layout_.rows; ++row) place[row + 1] += place[row];
-        Buffer<Effect> sorted(effects.size());
-        for (const Effect& effect : effects) sorted[place[effect.row]++] = effect;
-        for (const Effect& effect : sorted) own.effects.push(effect);
+    for (int kind = 0; kind < kKinds; count += registers_[kind++]) {
+        begin[kind] = count;
+        registers_[kind] = kinds[kind]->registers();
     }
-}
+    for (Buffer<Doubles>& found : found_) found = Buffer<Doubles>(3 * static_cast<std::size_t>(count));
+    for (int part = 0; part <= layout_.parts; ++part) first_tie_[part] = lower_.first(layout_, part);
 
-// Find a register in a list, or add it.
-inline int Attachments::number_of(List<Needed>& list, Needed wanted) {
-    for (std::size_t n = list.size(); n-- > 0;)
-        if (list[n].kind == wanted.kind && list[n].k == wanted.k) return static_cast<int>(n);
-    list.push(wanted);
-    return static_cast<int>(list.size()) - 1;
+    List<Effect> effects;
+    Buffer<int> place(layout_.rows + 1);
+    for (const Side& side : sides)
+        for (std::size_t n = 0; n < side.count; ++n) {
+            const int k = static_cast<int>(n) / kLanes, lane = static_cast<int>(n) % kLanes;
+            const int row = side.nodes.row(k, lane);
+            effects.push({3 * (begin[side.kind] + k) * kLanes + lane, side.nodes.at(k)[lane], row,
+                          side.sign, {}});
+            ++place[row + 1];
+        }
+    for (int row = 0; row < layout_.rows; ++row) place[row + 1] += place[row];
+    first_effect_ = Buffer<int>(place.size());
+    first_effect_.copy_from(place);
+    effects_ = Buffer<Effect>(effects.size());
+    for (const Effect& effect : effects) effects_[place[effect.row]++] = effect;
 }
 
 // Copy clamps, stays and grounds to registers.
@@ -368,34 +369,33 @@ inline void Attachments::pack() {
     }
 }
 
-// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one). Which
-// bars act is noted by the part that owns the register.
+// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one); which
+// bars act is noted if that is asked for.
 TAUTWIRE_INLINE void Attachments::evaluate(
-    const MotionView& view, int part, Needed needed, Doubles (&out)[3]) {
-    const int k = needed.k;
+    const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]) {
     Doubles q[3], v[3];
-    if (needed.kind < 2) {
+    if (kind < 2) {
         Doubles rate[3];
-        const NodeList &from = needed.kind == 0 ? upper_ : other_, &to = needed.kind == 0 ? lower_ : host_;
+        const NodeList &from = kind == 0 ? upper_ : other_, &to = kind == 0 ? lower_ : host_;
         from.move(view, k, out, rate);
         to.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) {
             out[i] -= q[i];
             rate[i] -= v[i];
         }
-        if (needed.kind == 1) {
+        if (kind == 1) {
             for (int i = 0; i < 3; ++i)
                 out[i] = clamp_stiffness_[k] * (out[i] - clamp_offset_[3 * k + i]);
             return;
         }
         const Doubles tension = ties_.tension(k, out, rate);
-        if (owns(part, 0, k)) ties_.note(k, tension);
+        if (notes) ties_.note(k, tension);
         for (Doubles& component : out) component *= tension;
-    } else if (needed.kind == 2) {
+    } else if (kind == 2) {
         stayed_.move(view, k, out, v);
         for (int i = 0; i < 3; ++i) out[i] -= stay_end_[3 * k + i];
         const Doubles tension = stays_.tension(k, out, v);
-        if (owns(part, 2, k)) stays_.note(k, tension);
+        if (notes) stays_.note(k, tension);
         for (Doubles& component : out) component *= tension;
     } else {
         grounded_.move(view, k, q, v);
@@ -411,20 +411,21 @@ TAUTWIRE_INLINE void Attachments::evaluate(
 
 inline void Attachments::push(
     const MotionView& view, Buffer<Row>& force, const RowSet& set, int part) {
-    Own& own = own_[part];
-    const NodeList* ends[kKinds][2] = {
-        {&lower_, &upper_}, {&host_, &other_}, {&stayed_, &stayed_}, {&grounded_, &grounded_}};
-    for (std::size_t n = 0; n < own.needed.size(); ++n) {
-        const Needed needed = own.needed[n];
-        if (!ends[needed.kind][0]->meets(set, needed.k) && !ends[needed.kind][1]->meets(set, needed.k))
-            continue;
-        Doubles f[3];
-        evaluate(view, part, needed, f);
-        for (int i = 0; i < 3; ++i) own.found[3 * n + i] = f[i];
-    }
+    Doubles* next = found_[part].data();
+    for (int kind = 0; kind < kKinds; ++kind)
+        for (int k = 0; k < registers_[kind]; ++k, next += 3) {
+            if (!meets(set, part, kind, k)) continue;
+            bool notes = true;  // one part does
+            for (int before = 0; before < part; ++before) notes &= !meets(set, before, kind, k);
+            Doubles f[3];
+            evaluate(view, kind, k, notes, f);
+            for (int i = 0; i < 3; ++i) next[i] = f[i];
+        }
     auto* out = reinterpret_cast<double*>(force.data());
-    const auto* found = reinterpret_cast<const double*>(own.found.data());
-    for (Effect& effect : own.effects) {
+    const auto* found = reinterpret_cast<const double*>(found_[part].data());
+    const int last = first_effect_[set.bounds[part + 1]];
+    for (int n = first_effect_[set.bounds[part]]; n < last; ++n) {
+        Effect& effect = effects_[n];
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) {
             double& place = out[effect.at + i * kLanes];
@@ -436,16 +437,16 @@ inline void Attachments::push(
 
 inline void Attachments::release(Buffer<Row>& force, const RowSet& set, int part) {
     auto* out = reinterpret_cast<double*>(force.data());
-    const List<Effect>& effects = own_[part].effects;
-    for (std::size_t n = effects.size(); n-- > 0;) {
-        const Effect& effect = effects[n];
+    const int first = first_effect_[set.bounds[part]];
+    for (int n = first_effect_[set.bounds[part + 1]]; n-- > first;) {
+        const Effect& effect = effects_[n];
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) out[effect.at + i * kLanes] = effect.before[i];
     }
 }
 
 inline void Attachments::tie_forces(const MotionView& view, double* out, int part) const {
-    for (int k = first_register_[0][part]; k < first_register_[0][part + 1]; ++k) {
+    for (int k = first_tie_[part]; k < first_tie_[part + 1]; ++k) {
         Doubles t[3], rate[3], q[3], v[3];
         upper_.move(view, k, t, rate);
         lower_.move(view, k, q, v);

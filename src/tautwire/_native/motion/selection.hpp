@@ -36,8 +36,7 @@ public:
     void look(const Buffer<Floats>& sizes, float bound, int part);
     bool choose(float bound, const List<int>& touched, bool always);
     // Whether so many rows are chosen that an iteration everywhere costs no more.
-    bool is_large() const { return formed_ > kLarge * layout_.rows; }
-    int formed() const { return formed_; }
+    bool is_large() const { return rows.formed_rows() > kLarge * layout_.rows; }
 
     // Learn in the rows of a part from the increments of the iteration that followed on a choice: in
     // the chosen rows, or everywhere. `overlooked` is the largest increment where none above the
@@ -98,7 +97,7 @@ private:
     Buffer<Floats> around_;  // [row]: largest of the last increments here and in the next rows
     Buffer<int> reach_;      // [row]: to how many rows on either side residuals are formed; -1: none
     double time_step_ = 0.0;
-    int since_whole_ = 0, formed_ = 0;
+    int since_whole_ = 0;
     bool grows_ = false;  // the next look is the first of its step
     // Of the parts; each on a cache line of its own.
     struct alignas(64) Seen {
@@ -153,9 +152,7 @@ inline void Selection::set_rows() {
             row = forward ? layout_.after(row) : layout_.before(row);
         }
     }
-    formed_ = 0;
-    for (const unsigned char flag : rows.formed) formed_ += flag;
-    rows.set_runs(layout_);
+    rows.divide(layout_);
 }
 
 inline void Selection::learn(

@@ -297,7 +297,8 @@ inline bool LineEngine::settle(int iteration) {
         if (first && (selection_.is_large() || selection_.verifies())) return false;
         if (!touch_all() || std::isnan(iterate(factors_.fast(), selection_.rows, false))) return false;
         ++counters_.local_iterations;
-        counters_.local_rows += selection_.formed();
+        counters_.local_rows += selection_.rows.formed_rows();
+        counters_.solved_rows += selection_.rows.solved_rows();
         review(true, false);
     }
     return !selection_.choose(bound(), touched_, false);

@@ -213,7 +213,7 @@ class NativeStepper:
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
         self.counters.full_newton_steps = full
-        names = ("local_iterations", "local_rows", "overlooked")
+        names = ("local_iterations", "local_rows", "solved_rows", "overlooked")
         self.counters.notes.update(zip(names, local, strict=True))
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
@@ -307,7 +307,7 @@ def _frames(inputs: Sequence[PantographInput], time: Array) -> Array:
     return frames
 
 
-def _scheme(options: StepOptions, tolerance: float, threads: int) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float, threads: int = 1) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
