@@ -80,9 +80,9 @@ def measured(case: Case) -> dict[str, Any]:
     run = with_accuracy(run)
     cost = time.process_time() - begin
     assert run.accuracy is not None, run.warnings
-    exact = dict(figures(tw.contact_statistics(passage(finer(case), _forces(run)))))
+    exact = dict(figures(passage(finer(case), _forces(run))))
     rows = {}
-    for name, value in figures(tw.contact_statistics(run)):
+    for name, value in figures(run):
         if name.split("/")[-1] in FIGURES and "butterworth" not in name:
             rows[name] = (value, value - exact[name], run.accuracy.of(*name.split("/")))
     loss = exact[f"{case.pantographs[0].name}/loss"]

@@ -33,7 +33,7 @@ class Truth:
 
 
 @cache
-def passage(speed_kmh: float = 250.0) -> Truth:
+def passage_run(speed_kmh: float = 250.0) -> tw.Run:
     """Compute a passage over a line of unequal spans, held in memory for all recordings."""
     count = [round(span / 9.0) for span in SPANS]
     positions = [
@@ -51,7 +51,13 @@ def passage(speed_kmh: float = 250.0) -> Truth:
     }
     case = tw.load_case("ac-simple", changes)
     model = tw.build(case)
-    run = tw.simulate(model, tw.find_shape(model))
+    return tw.simulate(model, tw.find_shape(model))
+
+
+@cache
+def passage(speed_kmh: float = 250.0) -> Truth:
+    """Return the force of that passage between the outer spans."""
+    run = passage_run(speed_kmh)
     force = run.contact_force(run.pantographs[0].name)
     inside = (force.position > 60.0) & (force.position < sum(SPANS) - 60.0)
     start = force.time[inside][0]
@@ -59,7 +65,7 @@ def passage(speed_kmh: float = 250.0) -> Truth:
         force.time[inside] - start,
         force.position[inside],
         force.force[inside],
-        case.scenario.speed,
+        run.case.scenario.speed,
     )
 
 
@@ -105,11 +111,11 @@ def record(truth: Truth, seed: int, *, sensors: int = 4, stagger: bool = True) -
 DIALECTS = ("plain", "German", "MAT")
 
 
-def write_file(recording: Recording, path: Path, dialect: str) -> Path:
+def write_file(recording: Recording, path: Path, dialect: str, *, time: bool = True) -> Path:
     """Write a recording as a recorder would: headings, units and decimals of its own."""
     german, comma = dialect == "German", ";" if dialect == "German" else ","
     force, head = (1e-3, "Kraft {}_{} [kN]") if german else (1.0, "F_{}_{} [N]")
-    columns = {"Zeit [s]" if german else "time [s]": recording.time}
+    columns = {"Zeit [s]" if german else "time [s]": recording.time} if time else {}
     sensors: dict[int, int] = {}
     for strip, values in zip(recording.force_strips.tolist(), recording.forces, strict=True):
         sensors[strip] = sensors.get(strip, 0) + 1
@@ -124,6 +130,8 @@ def write_file(recording: Recording, path: Path, dialect: str) -> Path:
     columns["Weg [m]" if german else "position [m]"] = recording.distance
     if recording.stagger is not None:
         columns["Seitenlage [mm]" if german else "stagger [mm]"] = 1e3 * recording.stagger
+    if recording.height is not None:
+        columns["Fahrdrahthöhe [mm]" if german else "height [mm]"] = 1e3 * recording.height
     if dialect == "MAT":
         from scipy.io import savemat
 

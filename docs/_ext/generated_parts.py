@@ -209,11 +209,19 @@ def _case_table(case: str, rows: list[dict[str, Any]]) -> str:
     return f"## {case}\n\n{head}\n" + "\n".join(lines)
 
 
+def gallery() -> str:
+    """Return the notebooks of the gallery, run."""
+    from notebooks import gallery as run_notebooks
+
+    return run_notebooks()
+
+
 MARKERS: dict[str, Callable[[], str]] = {
     "<!-- input reference -->": input_reference,
     "<!-- command reference -->": command_reference,
     "<!-- span table reference -->": span_table_reference,
     "<!-- validation table -->": validation_table,
+    "<!-- gallery -->": gallery,
 }
 
 

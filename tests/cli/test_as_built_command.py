@@ -38,6 +38,12 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
     lengths = find_shape(build(built)).dropper_lengths_unstrained
     design = find_shape(build(ac_simple())).dropper_lengths_unstrained
     assert abs(lengths - design).max() < 2e-4
+    droppers = {k: v for k, v in AC_SIMPLE["droppers"].items() if k not in ("positions", "presag")}
+    droppers |= {"mode": "length", "length_kind": "unstrained"}
+    named = {**AC_SIMPLE, "droppers": droppers, "tables": {"droppers": "out/droppers.csv"}}
+    (tmp_path / "again.json").write_text(json.dumps(named), encoding="utf-8")
+    again = find_shape(build(load_case(tmp_path / "again.json"))).dropper_lengths_unstrained
+    assert abs(again - lengths).max() < 6e-6  # the case has hundredths of a millimetre
     page = (tmp_path / "out" / "as-built.html").read_text(encoding="utf-8")
     assert "No dropper hangs in the wrong place" in page
     again = invoke("as-built", case, survey, "--json", "--accuracy", "5 mm")

@@ -13,6 +13,8 @@ from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.assessment.checks import Check, checks
 from tautwire.assessment.limits import Limits, load_limits
 from tautwire.errors import InputError
+from tautwire.report.parts.words import readable
+from tautwire.results.accuracy import Accuracy
 from tautwire.results.statistics import ContactLoss, LossEvent, RunStatistics
 from tautwire.specs.case import Case
 from tautwire.specs.line.support import UpliftStop
@@ -35,6 +37,26 @@ def case() -> Case:
 def by_name(rows: tuple[Check, ...], name: str) -> list[Check]:
     """Return the checks whose name begins with a text."""
     return [row for row in rows if row.name.startswith(name)]
+
+
+def test_values_have_the_digits_that_their_errors_leave(
+    statistics: RunStatistics, case: Case
+) -> None:
+    """A value is told with its numerical error and no digit more; where none is known, as ever."""
+    name, headline = statistics.pantographs[0].name, statistics.pantographs[0].headline
+    widths = {f"{name}/{headline.kind}/maximum": 12.0, "uplift": 0.0033}
+    accuracy = Accuracy("estimate", "so", 1, 2, 0.0, widths)
+    rows = checks(statistics, case, free_uplift=0.12, accuracy=accuracy)
+    errors = {row.name: row.error for row in rows}
+    assert sum(np.isfinite(error) for error in errors.values()) == 2
+    [largest] = [row for row in rows if row.error == 12.0]
+    assert largest.value == headline.maximum
+    told = readable(largest.value, largest.unit, largest.error)
+    assert told == f"{headline.maximum:.0f} ± 12\N{NO-BREAK SPACE}N"
+    [uplift] = by_name(rows, "largest uplift")
+    assert readable(0.0518, uplift.unit, uplift.error) == "52 ± 4\N{NO-BREAK SPACE}mm"
+    assert readable(headline.mean, "N") == f"{headline.mean:.1f}\N{NO-BREAK SPACE}N"
+    assert all(np.isnan(row.error) for row in checks(statistics, case))
 
 
 def tuned(target: float, mean: float, statistics: RunStatistics) -> Check:

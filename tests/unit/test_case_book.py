@@ -22,7 +22,7 @@ from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
 from tautwire.model.build import build
 from tautwire.report.parts.tables import write_dropper_table
-from tautwire.specs.case import Case
+from tautwire.specs.case import MOST_LIMITS, Case
 from tautwire.tables.columns import fields_of
 from tautwire.tables.headings import read_heading
 from tautwire.text import csv_text
@@ -140,6 +140,18 @@ def test_workbook_to_case_to_workbook(tmp_path: Path) -> None:
     again = load_case(write_workbook(case, tmp_path / "again.xlsx"))
     assert again == case
     assert again.line.masts == case.line.masts
+
+
+def test_limits_that_no_cell_holds(tmp_path: Path) -> None:
+    """A long file of limits, with blanks, line ends and number signs, comes back as it was."""
+    note = "".join(f"# {n}  remark = '{n}' \n\n" for n in range(9000))[: MOST_LIMITS - 20]
+    case = load_case("ac-simple").with_(limits=f"limits: []\n{note}\nend: 1")
+    again = load_case(write_workbook(case, tmp_path / "long.xlsx"))
+    assert again.limits == case.limits
+    book = openpyxl.load_workbook(tmp_path / "long.xlsx")
+    lengths = [len(str(cell)) for (cell,) in book["values"].iter_rows(min_col=2, max_col=2,
+                                                                     values_only=True)]  # fmt: skip
+    assert 20_000 < max(lengths) < 32_767
 
 
 def test_falling_chainage_and_odd_numbers(tmp_path: Path) -> None:

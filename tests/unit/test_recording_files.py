@@ -432,7 +432,8 @@ REFUSED = {
     "no headings": (table(["1", "2"], [PLACE, FORCE]), "it needs a row of headings"),
     "turns back": (
         table(["position", "speed", "force"],
-              [np.concatenate([PLACE[:700], PLACE[200:700]]), 50 + 0 * PLACE, FORCE]),
+              [np.concatenate([PLACE[:700], PLACE[200:700]]), 50 + 0 * PLACE,
+               np.concatenate([FORCE[:700], FORCE[200:700]])]),
         "turns back by",
     ),
     "time goes back": (

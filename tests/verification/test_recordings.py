@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import tautwire as tw
+from tautwire.errors import InputError
 from tautwire.measured.alignment import Alignment, align
 from tautwire.measured.evaluation import evaluate
 from tautwire.measured.events import force_events, hard_spots
@@ -26,7 +27,17 @@ from tautwire.measured.recording import Recording
 from tautwire.measured.summary import stretch_statistics
 from tautwire.signals.filters import SharpLowpass
 
-from ..recordings import DIALECTS, RATE, SPANS, STRIP_MASS, Truth, passage, record, write_file
+from ..recordings import (
+    DIALECTS,
+    RATE,
+    SPANS,
+    STRIP_MASS,
+    Truth,
+    passage,
+    passage_run,
+    record,
+    write_file,
+)
 
 Array = NDArray[np.float64]
 Spoil = Callable[[Recording, np.random.Generator], Recording]
@@ -208,6 +219,7 @@ ONE_OF_20 = [
     pytest.param(range(1), id="1"),
     pytest.param(range(1, 20), id="20", marks=pytest.mark.slow),
 ]
+ONE_AND_ALL_20 = [ONE_OF_20[0], pytest.param(range(20), id="20", marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("seeds", ONE_OF_20)
@@ -224,6 +236,112 @@ def test_faults_are_named_through_files(kind: str, seeds: range, tmp_path: Path)
         recording = tw.load_recording(path)
         if kind not in {fault.kind for fault in find_faults(recording)}:
             missed.append(seed)
+    assert len(missed) <= len(seeds) // 20, missed
+
+
+def _turned(recording: Recording) -> Recording:
+    """Return a record whose positions run against its readings."""
+    return recording.with_(
+        forces=recording.forces[:, ::-1],
+        accelerations=recording.accelerations[:, ::-1],
+        stagger=None if recording.stagger is None else recording.stagger[::-1],
+    )
+
+
+def _of_another_line(seed: int) -> Recording:
+    """Return a record of a track whose spans are up to 12 % longer and shorter."""
+    truth = passage()
+    order = np.random.default_rng(seed).permutation(len(SPANS))
+    place = truth.position * (1.0 + 0.12 * np.sin(truth.position / 170.0 + order[0]))
+    force = np.interp(truth.position, place, truth.force)
+    return record(Truth(truth.time, truth.position, force, truth.speed), seed)
+
+
+@pytest.mark.parametrize("seeds", ONE_AND_ALL_20)
+@pytest.mark.parametrize("verdict", ["wrong direction", "does not match", "aligned"])
+def test_places_are_judged_through_files(verdict: str, seeds: range, tmp_path: Path) -> None:
+    """Read from a file and compared with the run, a record of the wrong direction and one of the
+    neighbouring track are named in at least 19 of 20 files, and right ones are aligned."""
+    missed = []
+    for seed in seeds:
+        made = {"wrong direction": lambda s: _turned(_made(s)), "aligned": _made,
+                "does not match": _of_another_line}[verdict](seed)  # fmt: skip
+        dialect = DIALECTS[seed % len(DIALECTS)]
+        path = write_file(made, tmp_path / f"{seed}.{_ENDING[dialect]}", dialect)
+        found = tw.compare_with_measurement(
+            passage_run(), tw.load_recording(path), offset=60.0, search=30.0
+        )
+        if found.placement.verdict != verdict:
+            missed.append((seed, found.placement.text))
+    assert len(missed) <= len(seeds) // 20, missed
+
+
+def _rows(recording: Recording, rows: NDArray[np.bool_] | Array) -> Recording:
+    """Return some rows of a recording."""
+    names = ("time", "speed", "distance", "height", "stagger")
+    return recording.with_(
+        forces=recording.forces[:, rows],
+        accelerations=recording.accelerations[:, rows],
+        **{name: getattr(recording, name)[rows] for name in names},
+    )
+
+
+def _with_height(seed: int) -> Recording:
+    made = record(passage(), seed, sensors=_sensors(seed))
+    assert made.distance is not None
+    noise = np.random.default_rng(seed).normal(0.0, 1e-3, len(made.time))
+    return made.with_(height=5.3 - 0.02 * np.cos(2.0 * np.pi * made.distance / 53.0) + noise)
+
+
+def _jumped(recording: Recording, rng: np.random.Generator, by: float) -> Recording:
+    assert recording.distance is not None
+    at = int(rng.integers(len(recording.time) // 10, 9 * len(recording.time) // 10))
+    later = np.arange(len(recording.time)) >= at
+    return recording.with_(distance=recording.distance + by * later)
+
+
+def _without_rows(recording: Recording, rng: np.random.Generator) -> Recording:
+    way = recording.distance
+    assert way is not None
+    start = float(rng.choice(way[len(way) // 10 : 9 * len(way) // 10]))
+    return _rows(recording, (way < start) | (way > start + rng.uniform(3.0, 40.0)))
+
+
+def _twice(recording: Recording, _: np.random.Generator) -> Recording:
+    half = np.arange(len(recording.time) // 2)
+    return _rows(recording, np.concatenate([half, half]))
+
+
+WITHOUT_TIME: dict[str, tuple[str, Spoil]] = {
+    "on": ("position jump", lambda r, rng: _jumped(r, rng, rng.uniform(3.0, 40.0))),
+    "back": ("position jump", lambda r, rng: _jumped(r, rng, -rng.uniform(10.0, 300.0))),
+    "missing rows": ("rows are missing", _without_rows),
+    "second passage": ("turns back", _twice),
+    "clean": ("", lambda r, _: r),
+}
+"""What is wrong with files without time, and what is said then."""
+
+
+@pytest.mark.parametrize("seeds", ONE_AND_ALL_20)
+@pytest.mark.parametrize("kind", WITHOUT_TIME)
+def test_positions_without_time_through_files(kind: str, seeds: range, tmp_path: Path) -> None:
+    """Without a time a position that jumps, on or back, is told from rows that are missing and from
+    a second passage by force, height and stagger, in at least 19 of 20 files of each."""
+    said, spoil = WITHOUT_TIME[kind]
+    missed = []
+    for seed in seeds:
+        spoiled = spoil(_with_height(seed), np.random.default_rng(100 + seed))
+        path = write_file(spoiled, tmp_path / f"{seed}.csv", "plain", time=False)
+        try:
+            recording = tw.load_recording(path)
+        except InputError as error:
+            told = [str(error)]
+        else:
+            told = [*recording.notes, *(fault.kind for fault in find_faults(recording))]
+        texts = dict.fromkeys(text for text, _ in WITHOUT_TIME.values() if text)
+        known = [text for text in texts if text in " ".join(told)]
+        if known != ([said] if said else []):
+            missed.append((seed, known))
     assert len(missed) <= len(seeds) // 20, missed
 
 
@@ -398,24 +516,14 @@ def test_positions_are_found(seeds: range) -> None:
 def test_wrong_direction_is_said(seeds: range) -> None:
     """A record that ran the other way is recognised and not aligned."""
     for seed in seeds:
-        recording = _made(seed)
-        turned = recording.with_(
-            forces=recording.forces[:, ::-1], accelerations=recording.accelerations[:, ::-1]
-        )
-        assert _aligned(turned, search=60.0).verdict == "wrong direction", seed
+        assert _aligned(_turned(_made(seed)), search=60.0).verdict == "wrong direction", seed
 
 
 @pytest.mark.parametrize("seeds", SEEDS)
 def test_neighbouring_track_is_said(seeds: range) -> None:
     """A record of a line with other spans does not match."""
-    truth = passage()
     for seed in seeds:
-        order = np.random.default_rng(seed).permutation(len(SPANS))
-        place = truth.position * (1.0 + 0.12 * np.sin(truth.position / 170.0 + order[0]))
-        other = Truth(
-            truth.time, truth.position, np.interp(truth.position, place, truth.force), truth.speed
-        )
-        assert _aligned(record(other, seed)).verdict == "does not match", seed
+        assert _aligned(_of_another_line(seed)).verdict == "does not match", seed
 
 
 def test_equal_spans_are_undecidable() -> None:

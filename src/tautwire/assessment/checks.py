@@ -15,6 +15,7 @@ from typing import ClassVar
 from tautwire.assessment.limits import Limit, Limits, known_system, limits_of
 from tautwire.assessment.references import load_references
 from tautwire.plain import Plain
+from tautwire.results.accuracy import Accuracy, error_of
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.specs.case import Case
 from tautwire.specs.scenario import TUNING_TOLERANCE
@@ -54,6 +55,8 @@ class Check(Plain):
         What is known of a value outside its limit; empty where nothing is.
     is_carried : bool
         Whether mesh and time step carry the value.
+    error : float
+        Half width of the numerical error bar of the value, in `unit`; NaN where none is known.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("verdict", "words")
@@ -76,6 +79,7 @@ class Check(Plain):
     checked_on: str | None = None
     explanation: str = ""
     is_carried: bool = True
+    error: float = math.nan
 
     @property
     def verdict(self) -> str:
@@ -114,7 +118,9 @@ class Criteria:
     free_uplift: float | None = None
     limits: Limits | None = None
 
-    def checks(self, statistics: RunStatistics, case: Case) -> tuple[Check, ...]:
+    def checks(
+        self, statistics: RunStatistics, case: Case, accuracy: Accuracy | None = None
+    ) -> tuple[Check, ...]:
         """Check the statistics of a run; see :func:`checks`."""
         return checks(
             statistics,
@@ -122,6 +128,7 @@ class Criteria:
             system=self.system,
             free_uplift=self.free_uplift,
             limits=self.limits,
+            accuracy=accuracy,
         )
 
 
@@ -133,6 +140,7 @@ def checks(
     free_uplift: float | None = None,
     uplift_stop: bool | None = None,
     limits: Limits | None = None,
+    accuracy: Accuracy | None = None,
 ) -> tuple[Check, ...]:
     """Check the statistics of a run against the limits that apply to its speed and system.
 
@@ -153,6 +161,8 @@ def checks(
         Whether the steady arms have an uplift stop; by default as the case says.
     limits : Limits, optional
         By default those that the case names, or those of the package.
+    accuracy : Accuracy, optional
+        Numerical errors of the statistics, which are told beside the values.
 
     Returns
     -------
@@ -176,7 +186,11 @@ def checks(
             bound = limit.value(speed, mean, space)
             if bound is not None:
                 found = _with_tuning(_check(limit, pantograph, value, bound), limit, case)
-                found = replace(found, is_carried=_is_carried(limit, pantograph, statistics))
+                found = replace(
+                    found,
+                    is_carried=_is_carried(limit, pantograph, statistics),
+                    error=_error(limit, pantograph, statistics, accuracy),
+                )
                 rows.append(_with_published(found, limit, case))
     return tuple(rows)
 
@@ -189,6 +203,19 @@ def _is_carried(limit: Limit, pantograph: str | None, statistics: RunStatistics)
     if limit.quantity == "loss_percent":
         return entry.contact_loss.is_carried
     return entry.headline.carries(f"0_{entry.headline.cutoff:g}")
+
+
+def _error(
+    limit: Limit, pantograph: str | None, statistics: RunStatistics, accuracy: Accuracy | None
+) -> float:
+    """Return the numerical error of a limited quantity.
+
+    None is known of losses without the short ones.
+    """
+    if pantograph is None:
+        return error_of(accuracy, limit.quantity)
+    kind = statistics.pantograph(pantograph).headline.kind
+    return error_of(accuracy, pantograph, kind, limit.quantity)
 
 
 def _values(

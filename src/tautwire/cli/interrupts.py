@@ -19,7 +19,7 @@ class Interrupts:
     Attributes
     ----------
     requested : int or None
-        Number of the signal that asked to stop.
+        Number of the last signal that asked to stop.
     """
 
     def __init__(self) -> None:
@@ -54,6 +54,7 @@ class Interrupts:
                 signal.signal(number, handler)
 
     def _receive(self, number: int, _frame: FrameType | None) -> None:
-        if self.requested is not None or not self._patient:
+        stops = self.requested is not None or not self._patient
+        self.requested = number  # kept also where a library swallows the exception
+        if stops:
             raise Interrupted(number)
-        self.requested = number

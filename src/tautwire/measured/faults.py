@@ -432,7 +432,15 @@ def _clock(recording: Recording) -> Iterator[Fault]:
 
 
 def _jumps(recording: Recording) -> Iterator[Fault]:
-    """Find an odometer that jumps."""
+    """Find an odometer that jumps: one that was counted on, or that disagrees with the speed."""
+    if recording.jumps:
+        way, size = recording.jumps[0]
+        yield Fault(
+            "position jump",
+            "position",
+            f"{len(recording.jumps)} jumps that the train did not make, the first by {size:+.1f} m "
+            f"after {way:.1f} m; it is counted on, and what lies beyond is off by as much",
+        )
     if recording.distance is None or recording.speed is None:
         return
     way = np.diff(recording.distance)

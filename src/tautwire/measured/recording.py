@@ -52,6 +52,9 @@ class Recording:
         Times [s] and texts.
     notes : tuple of str
         What was understood, decided or left out while the file was read.
+    jumps : tuple of (float, float)
+        Way [m] at which the recorded position jumped, and by how much [m]; the positions here are
+        counted on.
     mark_times, mark_chainages : (n_mark,) s, m
         Instants at which the train passed a known chainage, such as a mast.
     """
@@ -75,6 +78,7 @@ class Recording:
     arc: Array | None = None
     comments: tuple[tuple[float, str], ...] = ()
     notes: tuple[str, ...] = ()
+    jumps: tuple[tuple[float, float], ...] = ()
     mark_times: Array = field(default_factory=lambda: np.empty(0))
     mark_chainages: Array = field(default_factory=lambda: np.empty(0))
 

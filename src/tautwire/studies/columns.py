@@ -75,9 +75,7 @@ TEXTS = {
 KNOWN = (*PER_FILTER, STD, *PER_PANTOGRAPH, *PER_CASE)
 ERROR = "_error"
 """End of the name of what tells the numerical error of the quantity before it."""
-_WITH_ERROR = {*(name for name, _ in _FORCES), "std", "loss_percent", "uplift_max"} - {
-    "std_advised"
-}
+_WITH_ERROR = {*(name for name, _ in _FORCES), "std", "loss_percent", "uplift_max"}
 ERRORS = tuple(
     Quantity(item.name + ERROR, item.unit, f"numerical error of: {item.text}", item.dimensions)
     for item in KNOWN

@@ -15,7 +15,7 @@ from tautwire.tables.columns import role_of
 from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
 from tautwire.tables.rows import LATERAL, Rows
-from tautwire.tables.sheets import Cell
+from tautwire.tables.sheets import LONGEST_CELL, Cell
 
 Path = tuple[str | int, ...]
 _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
@@ -239,10 +239,19 @@ def _droppers(rows: Rows, result: LineTables) -> None:
 def _values(rows: Rows, result: LineTables) -> None:
     paths = rows.texts("path") or []
     for index, (path, value) in enumerate(zip(paths, rows.cells("value"), strict=True)):
-        if path is None:
+        if path is None and _goes_on(result.said, value):
+            last = result.said[-1]
+            result.said[-1] = Said(last.path, f"{last.value}{value}", last.place)
+        elif path is None:
             rows.complain(index, "path", "is empty")
         elif value is not None:
             result.said.append(Said(path, value, rows.place(index, "value")))
+
+
+def _goes_on(said: Sequence[Said], value: Cell) -> bool:
+    """Tell whether a row without a path goes on with a text that no cell holds."""
+    text = said[-1].value if said else None
+    return isinstance(value, str) and isinstance(text, str) and len(text) > LONGEST_CELL // 2
 
 
 def _sources(rows: Rows, result: LineTables) -> None:

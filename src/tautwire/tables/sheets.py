@@ -23,6 +23,9 @@ MOST_BYTES = 20_000_000
 """Largest file that is read; also the most that a workbook may unpack to, ten times over."""
 MOST_ROWS, MOST_COLUMNS = 20_000, 200
 """Rows and columns of a workbook that are read: a lone cell in a far corner costs nothing."""
+LONGEST_CELL = 30_000
+"""Characters of a cell that is written; a spreadsheet holds 32,767. Longer texts go on in the rows
+below."""
 MOST_CELLS = 1000
 """Columns of a text; recorders write some hundred channels at most."""
 HEADING_ROWS = 40

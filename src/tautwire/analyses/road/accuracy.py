@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from tautwire.analyses.force.cutoff import missed_deviation
 from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.dynamics import Progress, simulate
@@ -29,6 +30,7 @@ from tautwire.numerics.motion.backend import Choice
 from tautwire.results.accuracy import Accuracy
 from tautwire.results.run import Run
 from tautwire.results.statistics import FilteredStatistics, RunStatistics
+from tautwire.signals.filters import Butterworth, Lowpass, SharpLowpass
 from tautwire.specs.case import Case
 from tautwire.specs.settings import FEWEST_GRADED, Settings
 
@@ -43,6 +45,9 @@ LEAST = 0.01
 """Least width of an error bar, as a share of the standard deviation of the force (of the uplift
 itself): changes that small are as often chance. Calibrated likewise. Extremes lie about three
 standard deviations from the mean, so theirs is three times as much."""
+
+ADVISED = "advised"
+"""Name of the standard deviation up to the advised cut-off."""
 
 _EXTREMES = ("maximum", "minimum")
 _FAR = (*_EXTREMES, "statistical_maximum", "statistical_minimum")
@@ -143,8 +148,8 @@ def accuracy_of(run: Run, companions: list[Run], kind: str) -> Accuracy:
         ``"estimate"`` or ``"bound"``.
     """
     statistics = contact_statistics(run)
-    own, least = dict(figures(statistics)), dict(least_widths(statistics))
-    others = [dict(figures(contact_statistics(other))) for other in companions]
+    own, least = dict(figures(run)), dict(least_widths(statistics))
+    others = [dict(figures(other)) for other in companions]
     changes = {n: sum(abs(other[n] - value) for other in others) for n, value in own.items()}
     widths = {n: least[n] + FACTOR * _shared(n, changes) for n in own}
     if kind == "bound":
@@ -163,7 +168,8 @@ def history_errors(run: Run, longer_step: Run) -> Iterator[tuple[str, float]]:
     """Yield the error that the time step leaves in the unfiltered force over time [N rms].
 
     Richardson's estimate: the error is of second order, so that of a step longer by sqrt(2) is
-    twice as large, and the difference of both passages is the error itself.
+    twice as large, and the difference of both passages is the error itself. Of a scheme of higher
+    order it is too large.
 
     Parameters
     ----------
@@ -199,12 +205,16 @@ def _shared(name: str, changes: Mapping[str, float]) -> float:
     return max(changes[f"{stem}/{extreme}"] for extreme in _EXTREMES)
 
 
-def figures(statistics: RunStatistics) -> Iterator[tuple[str, float]]:
+def figures(run: Run) -> Iterator[tuple[str, float]]:
     """Yield the figures that have an error bar, by name."""
+    statistics, order = contact_statistics(run), run.case.settings.filter_order
+    filters: dict[str, Lowpass] = {"sharp": SharpLowpass(), "butterworth": Butterworth(order)}
     for entry in statistics.pantographs:
         for kind, part in entry.filtered.items():
             for name, value in _of_force(part).items():
                 yield f"{entry.name}/{kind}/{name}", value
+            advised = missed_deviation(run, entry.name, filters[kind]).advised
+            yield f"{entry.name}/{kind}/{ADVISED}", advised
         yield f"{entry.name}/loss", entry.contact_loss.percent
     yield "uplift", statistics.uplift.maximum
 
@@ -226,7 +236,7 @@ def least_widths(statistics: RunStatistics) -> Iterator[tuple[str, float]]:
     for entry in statistics.pantographs:
         for kind, part in entry.filtered.items():
             share = LEAST * part.standard_deviation
-            for name in _of_force(part):
+            for name in (*_of_force(part), ADVISED):
                 yield f"{entry.name}/{kind}/{name}", (3.0 if name in _FAR else 1.0) * share
         yield f"{entry.name}/loss", 0.0
     yield "uplift", LEAST * statistics.uplift.maximum

@@ -179,7 +179,7 @@ def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
 def _present(answer: Answer, run: Run, criteria: Criteria, advice: Sequence[str]) -> None:
     """Fill the document and show the summary."""
     statistics = contact_statistics(run)
-    found = criteria.checks(statistics, run.case)
+    found = criteria.checks(statistics, run.case, run.accuracy)
     warnings = [*run.warnings, *statistics.notes]
     answer.warn([text for text in warnings if text not in advice])
     answer.document.update(run_document(run, statistics, found, warnings))

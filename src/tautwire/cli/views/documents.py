@@ -235,6 +235,8 @@ def run_document(
         "droppers": numbers["droppers"],
         "numerical_error": None if run.accuracy is None else run.accuracy.as_dict(),
         "cost": {key: run.counters.get(key) for key in COST},
-        "checks": [check.as_dict() for check in checks],
+        "checks": [
+            {**check.as_dict(), "value": rounded(check.value, check.error)} for check in checks
+        ],
         "provenance": dict(run.provenance),
     }

@@ -186,7 +186,7 @@ def _check_table(checks: Sequence[Check], *, many: bool) -> Any:
         rows.append(
             (
                 name,
-                marked(readable(check.value, check.unit), is_carried=check.is_carried),
+                marked(readable(check.value, check.unit, check.error), is_carried=check.is_carried),
                 f"{sign} {readable(check.limit, check.unit)}",
                 check.standard,
                 found,

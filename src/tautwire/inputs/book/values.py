@@ -11,10 +11,8 @@ from tautwire.inputs.paths import Path, PathError, find_target, format_path, par
 from tautwire.inputs.reading.documents import parse_value
 from tautwire.inputs.reading.grouping import grouped
 from tautwire.tables.line import LineTables
-from tautwire.tables.sheets import Cell
+from tautwire.tables.sheets import LONGEST_CELL, Cell
 
-LONGEST_CELL = 30_000
-"""Characters of a cell that is written; a spreadsheet holds 32,767."""
 _GAP = object()
 
 
@@ -47,9 +45,25 @@ def said_values(tables: LineTables) -> dict[str, Any]:
     return result
 
 
-def rows_of(data: Mapping[str, Any]) -> list[tuple[str, Cell]]:
+def rows_of(data: Mapping[str, Any]) -> list[tuple[str | None, Cell]]:
     """Return plain data of a case as paths and cells, from which the same data are read."""
-    return [(format_path(path), cell) for path, cell in _leaves(data, ())]
+    return [row for path, cell in _leaves(data, ()) for row in _in_pieces(format_path(path), cell)]
+
+
+def _in_pieces(path: str, cell: Cell) -> Iterator[tuple[str | None, Cell]]:
+    """Yield a value, a text that no cell holds in pieces, of which only the first has the path.
+
+    No piece begins or ends where a reader of sheets would take something away, or takes a row for a
+    comment.
+    """
+    rest, told = cell, path
+    while isinstance(rest, str) and len(rest) > LONGEST_CELL:
+        at = LONGEST_CELL
+        while rest[at - 1].isspace() or rest[at].isspace() or rest[at] == "#":
+            at -= 1
+        yield told, rest[:at]
+        rest, told = rest[at:], None
+    yield told, rest
 
 
 def _refuse_other(tables: Mapping[str, Any], path: Path, value: Any) -> None:

@@ -10,11 +10,11 @@ from pathlib import Path
 from tautwire.errors import InputError
 from tautwire.inputs.reading.documents import parse_document
 from tautwire.inputs.reading.files import named, read_case_text, size_of_regular_file
-from tautwire.measured.assembly import assemble
 from tautwire.measured.channels import Channel, read_channels
+from tautwire.measured.files.assembly import assemble
 from tautwire.measured.files.formats import open_source
+from tautwire.measured.files.rates import Rate, fastest, with_other_rates
 from tautwire.measured.files.source import Source
-from tautwire.measured.rates import Rate, fastest, with_other_rates
 from tautwire.measured.recording import Recording
 from tautwire.tables.columns import RECORDING, fields_of
 from tautwire.tables.mapping import SheetMapping, apply_mapping, mapping_text, match, propose

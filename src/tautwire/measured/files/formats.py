@@ -160,13 +160,14 @@ def _parquet(path: Path) -> Source:
             f"{path}: Parquet needs pyarrow; install it with 'pip install tautwire[parquet]', or "
             "save the recording as CSV"
         ) from None
-    table = parquet.read_table(path)
-    units = {
-        field.name: (field.metadata or {}).get(b"unit", b"").decode(errors="replace")
-        for field in table.schema
-    }
+    file = parquet.ParquetFile(path)
     channels = [
-        Channel(name, units[name], table.column(name).to_numpy()) for name in table.column_names
+        Channel(
+            field.name,
+            (field.metadata or {}).get(b"unit", b"").decode(errors="replace"),
+            file.read([field.name]).column(0).to_numpy(),  # one at a time: half the memory
+        )
+        for field in file.schema_arrow
     ]
     return ArraySource(path, iter(channels))
 

@@ -12,10 +12,12 @@ from tautwire.files import write_text
 from tautwire.report.parts.blocks import Section, Table, Text
 from tautwire.report.parts.recordings.rank import (
     CREW_HEAD,
+    FIGURE_GROUPS,
     FIGURE_HEAD,
     crew_rows,
     figure_rows,
 )
+from tautwire.report.parts.words import counted
 from tautwire.report.writers.html import render
 from tautwire.version import __version__
 
@@ -39,8 +41,8 @@ def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -
         "the rows follow the line.",
         CREW_HEAD, "rlrrrrl", tuple(crew_rows(rankings)),
     )  # fmt: skip
-    corrected = [ranking for ranking in rankings if ranking.made]
-    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "lrrrr", tuple(figure_rows(corrected)))
+    rows = tuple(figure_rows(rankings))
+    figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "l" + "r" * 10, rows, FIGURE_GROUPS)
     note = Text(
         "Computed: a passage over the whole line with these corrections made; this is what they "
         "gain. Predicted: the sum of the changes that each makes after those before it, from "
@@ -57,7 +59,7 @@ def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -
 def _masthead(rankings: Sequence[Ranking]) -> dict[str, Any]:
     case, *others = (ranking.case for ranking in rankings)
     speeds = sorted({round(3.6 * ranking.case.scenario.speed) for ranking in rankings})
-    more = f" and {len(others)} others" if others else ""
+    more = f" and {counted(len(others), 'other')}" if others else ""
     return {
         "title": f"Corrections of {case.name}{more}",
         "description": "" if others else case.title,

@@ -45,7 +45,7 @@ def compose_report(
         for run, label, data in zip(every, labels_of(every, labels), given, strict=True)
     ]
     judged_by = criteria or Criteria()
-    found = [judged_by.checks(view.statistics, view.run.case) for view in views]
+    found = [judged_by.checks(view.statistics, view.run.case, view.run.accuracy) for view in views]
     contents = [
         summary_section(views, found),
         sections.line_section(views),

@@ -390,7 +390,9 @@ def _check_table(views: Sequence[RunView], found: Sequence[Sequence[Check]]) -> 
             rows.append(
                 (
                     ", ".join([check.name, *who]),
-                    marked(readable(check.value, check.unit), is_carried=check.is_carried),
+                    marked(
+                        readable(check.value, check.unit, check.error), is_carried=check.is_carried
+                    ),
                     f"{sign} {readable(check.limit, check.unit)}",
                     *(() if is_checked else (_within(check),)),
                     Verdict(check.words, check.verdict.replace("no value", "unverified")),

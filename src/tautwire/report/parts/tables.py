@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +38,32 @@ def dropper_table_csv(equilibrium: Equilibrium, case: Case) -> str:
         the table of droppers of a case may be such a file.
     """
     shape = equilibrium
-    columns: dict[str, Sequence[object]] = {**places_of_droppers(shape, case)}
+    values = {
+        "unstrained length [m]": _texts(shape.dropper_lengths_unstrained, 6),
+        "stretched length [m]": _texts(shape.dropper_lengths, 6),
+        "force [N]": _texts(shape.dropper_forces, 4),
+        "contact wire height [m]": _texts(shape.dropper_heights, 6),
+    }
+    return dropper_csv(places_of_droppers(shape, case), values)
+
+
+def dropper_csv(
+    places: Mapping[str, Sequence[object]], values: Mapping[str, Sequence[object]]
+) -> str:
+    """Return a table of droppers as CSV that a case can name.
+
+    Parameters
+    ----------
+    places
+        Columns of :func:`columns_of_places`.
+    values
+        What is told of every dropper, as texts by heading.
+    """
+    columns = {**places}
     for name, digits in (("position [m]", 6), ("x [m]", 4), ("chainage [m]", 4)):
         if name in columns:
             columns[name] = _texts(np.array(columns[name]), digits)
-    columns["unstrained length [m]"] = _texts(shape.dropper_lengths_unstrained, 6)
-    columns["stretched length [m]"] = _texts(shape.dropper_lengths, 6)
-    columns["force [N]"] = _texts(shape.dropper_forces, 4)
-    columns["contact wire height [m]"] = _texts(shape.dropper_heights, 6)
+    columns |= values
     return csv_text(tuple(columns), zip(*columns.values(), strict=True))
 
 
@@ -55,23 +73,53 @@ def places_of_droppers(shape: Equilibrium, case: Case) -> dict[str, list[Any]]:
     Span and number, mast on the left, tension length and wires where there are several, position
     from the support on the left and along the line, chainage.
     """
-    line, spans = case.line, shape.dropper_span.tolist()
-    columns: dict[str, list[Any]] = {"span": spans, "dropper": shape.dropper_number.tolist()}
+    names = shape.wire_names
+    return columns_of_places(
+        case,
+        shape.dropper_span.tolist(),
+        shape.dropper_number.tolist(),
+        shape.dropper_x.tolist(),
+        [(names[upper], names[lower]) for upper, lower in shape.dropper_wires.tolist()],
+    )
+
+
+def columns_of_places(
+    case: Case,
+    spans: Sequence[int],
+    numbers: Sequence[int],
+    x: Sequence[float],
+    wires: Sequence[tuple[str, str]],
+) -> dict[str, list[Any]]:
+    """Return the columns that say where droppers hang.
+
+    Parameters
+    ----------
+    case
+        The case whose line it is.
+    spans, numbers
+        Of every dropper, from 1.
+    x
+        Along the line [m].
+    wires
+        Names of the runs above and below every dropper.
+    """
+    line, masts = case.line, case.line.support_positions()
+    columns: dict[str, list[Any]] = {"span": list(spans), "dropper": list(numbers)}
     if line.masts is not None:
         columns["mast"] = [line.masts[span - 1] for span in spans]
-    columns |= _wires_of_droppers(shape, case)
-    starts = shape.mast_x[shape.dropper_span - 1]
-    columns["position [m]"] = np.round(shape.dropper_x - starts, 6).tolist()
-    columns["x [m]"] = shape.dropper_x.tolist()
+    columns |= _wires_of_droppers(case, wires)
+    starts = np.array([masts[span - 1] for span in spans])
+    columns["position [m]"] = np.round(np.array(x) - starts, 6).tolist()
+    columns["x [m]"] = list(x)
     if line.chainage is not None:
-        columns["chainage [m]"] = [line.chainage_at(x) for x in shape.dropper_x.tolist()]
+        columns["chainage [m]"] = [line.chainage_at(place) for place in x]
     return columns
 
 
-def _wires_of_droppers(shape: Equilibrium, case: Case) -> dict[str, list[str]]:
+def _wires_of_droppers(case: Case, wires: Sequence[tuple[str, str]]) -> dict[str, list[str]]:
     """Return tension length and wires of every dropper, as far as they differ."""
     runs = {run.name: run for run in expand(case).runs}
-    pairs = [[runs[shape.wire_names[wire]] for wire in pair] for pair in shape.dropper_wires]
+    pairs = [[runs[name] for name in pair] for pair in wires]
     columns = {
         "tension length": [lower.tension_length for _, lower in pairs],
         "from": [upper.wire_name for upper, _ in pairs],

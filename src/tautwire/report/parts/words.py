@@ -26,9 +26,9 @@ def number(value: float | None, digits: int = 1) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def quantity(value: float | None, unit: str, digits: int = 1) -> str:
-    """Return a number with its unit, a dash where there is none."""
-    text = number(value, digits)
+def quantity(value: float | None, unit: str, digits: int = 1, error: float = math.nan) -> str:
+    """Return a number with its numerical error and its unit, a dash where there is none."""
+    text = with_error(value, error, digits)
     return text if text == MISSING or not unit else f"{text}{SPACE}{unit}"
 
 
@@ -60,7 +60,7 @@ def with_error(value: float | None, error: float, digits: int = 1) -> str:
     return f"{number(round(value / unit) * unit, decimals)} ± {number(width, decimals)}"
 
 
-def readable(value: float | None, unit: str) -> str:
+def readable(value: float | None, unit: str, error: float = math.nan) -> str:
     """Return an SI number in the unit people use for it.
 
     Parameters
@@ -68,16 +68,18 @@ def readable(value: float | None, unit: str) -> str:
     value : float or None
     unit : str
         ``"N"``, ``"m"``, ``"%"`` or ``"1"``.
+    error : float
+        Half width of the numerical error bar in the same unit; NaN where none is known.
     """
     if unit == "m":
-        return quantity(None if value is None else 1e3 * value, "mm")
+        return quantity(None if value is None else 1e3 * value, "mm", 1, 1e3 * error)
     if unit == "m/N":
-        return quantity(None if value is None else 1e3 * value, "mm/N", 4)
+        return quantity(None if value is None else 1e3 * value, "mm/N", 4, 1e3 * error)
     if unit == "%":
-        return quantity(value, "%", 2)
+        return quantity(value, "%", 2, error)
     if unit == "1":
-        return number(value, 3)
-    return quantity(value, unit)
+        return quantity(value, "", 3, error)
+    return quantity(value, unit, 1, error)
 
 
 def speed(value: float) -> str:

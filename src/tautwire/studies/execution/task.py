@@ -217,7 +217,7 @@ def _filtered(part: Any, advised: float) -> Values:
 def _errors(accuracy: Accuracy | None, part: Any, who: str) -> Values:
     """Return the numerical errors of the statistics through one filter."""
     names = {name: name for name in _FORCES}
-    names |= {f"std_{band}": band for band in part.standard_deviations}
+    names |= {f"std_{band}": band for band in (*part.standard_deviations, "advised")}
     found: Values = {}
     for column, name in names.items():
         found |= _error(accuracy, column, who, part.kind, name)

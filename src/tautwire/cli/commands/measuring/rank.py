@@ -20,7 +20,7 @@ from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.load import load_case
 from tautwire.report.parts.recordings.rank import (
-    FIGURE_HEAD,
+    FIGURE_NARROW,
     RANK_HEAD,
     SHOWN,
     corrections_csv,
@@ -83,19 +83,19 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
     first = TOGETHER if request.first is None else request.first
     if not 1 <= first <= MOST_FIRST:
         raise InputError(f"--first: got {first}; give 1 to {MOST_FIRST}")
-    lines, watch, keep = request.lines(), _watcher(answer), None
+    lines, interrupts, keep = request.lines(), Interrupts(), None
     if out is not None:
         with prepared_folder(out):
             keep = out / PASSAGES
     try:
-        with Interrupts().handled():
+        with interrupts.handled():
             rankings = rank_lines(
                 lines,
                 least=LEAST if least is None else least,
                 first=first,
                 workers=_workers(request.workers),
                 keep=keep,
-                watch=watch,
+                watch=_watcher(answer, interrupts),
             )
     except Interrupted as stop:
         if keep is not None:
@@ -110,7 +110,7 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
         heading("Corrections", rate),
         table(RANK_HEAD, "rLrrrrrrrr", rank_rows(rankings)[:SHOWN]),
         heading("What the first gain together"),
-        table(FIGURE_HEAD, "Lrrrr", figure_rows(rankings)),
+        table(FIGURE_NARROW, "Lrrrrrrrrrr", figure_rows(rankings)),
     )
     if out is not None:
         files = Files(out)
@@ -118,8 +118,12 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
         tell_files(answer, files)
 
 
-def _watcher(answer: Answer) -> Callable[[int, int], None]:
+def _watcher(answer: Answer, interrupts: Interrupts) -> Callable[[int, int], None]:
+    """Return what tells how far the spans are, and stops where a signal got lost in a library."""
+
     def watch(done: int, count: int) -> None:
+        if interrupts.requested is not None:
+            raise Interrupted(interrupts.requested)
         if done == 0:
             answer.say(f"deviations in {count} spans; spans that are kept are not computed again")
         elif done % max(count // 10, 1) == 0:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from tautwire.analyses.survey.as_built import AsBuilt, BuiltDropper
+from tautwire.line.expand import expand
+from tautwire.report.parts.tables import columns_of_places, dropper_csv
 from tautwire.text import csv_text
 
 DROPPER_HEAD = ("span", "no.", "x\n[m]", "design\n[mm]", "as built\n[mm]", "±\n[mm]",
@@ -84,9 +86,27 @@ def _height(design: float, value: float, error: float) -> tuple[str, str, str]:
 
 
 def droppers_csv(built: AsBuilt) -> str:
-    """Return the droppers as CSV."""
-    head = [text.replace("\n", " ").replace("no.", "dropper") for text in DROPPER_HEAD]
-    return csv_text(head, dropper_rows(built))
+    """Return the droppers as CSV, a table that a case can name.
+
+    The length of a slack dropper is the least that it can be.
+    """
+    hangers, droppers = expand(built.case).hangers, built.droppers
+    places = columns_of_places(
+        built.case,
+        [one.span for one in droppers],
+        [one.dropper for one in droppers],
+        [one.x for one in droppers],
+        [(hanger.upper.run, hanger.lower.run) for hanger in hangers],
+    )
+    values = {
+        "unstrained length [m]": [f"{one.length:.6f}" for one in droppers],
+        "standard error [mm]": [f"{1e3 * one.error:.2f}" for one in droppers],
+        "length of the design [m]": [f"{one.design:.6f}" for one in droppers],
+        "force [N]": [f"{one.force:.1f}" for one in droppers],
+        "contact wire height [m]": [f"{one.height:.6f}" for one in droppers],
+        "state": [one.state for one in droppers],
+    }
+    return dropper_csv(places, values)
 
 
 def heights_csv(built: AsBuilt) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from tautwire.analyses.survey.corrections import Correction
 from tautwire.analyses.survey.rank import Figures, Ranked, Ranking
@@ -12,7 +12,14 @@ from tautwire.text import csv_text
 RANK_HEAD = ("", "place", "x\n[m]", "set\n[mm]", "to\n[mm]", "effect\n[N]", "σ alone\n[N]",
              "σ then\n[N]", "max then\n[N]", "min then\n[N]")  # fmt: skip
 CREW_HEAD = ("", "place", "from support [m]", "as built [mm]", "set to [mm]", "change [mm]", "done")
-FIGURE_HEAD = ("", "σ [N]", "max [N]", "min [N]", "loss [%]")
+FIGURE_HEAD = ("line", "corrected", "as built", "predicted", "computed",
+               *("as built", "computed") * 3)  # fmt: skip
+FIGURE_GROUPS = (("", 2), ("σ [N]", 3), ("max [N]", 2), ("min [N]", 2), ("loss [%]", 2))
+"""Heading of the figures of a line, and the upper one: as built, and with the first corrections as
+computed; of σ as predicted, too."""
+FIGURE_NARROW = ("", "set", "σ [N]\nbuilt", "\npredicted", "\nthen", "max [N]\nbuilt", "\nthen",
+                 "min [N]\nbuilt", "\nthen", "loss [%]\nbuilt", "\nthen")  # fmt: skip
+"""The same for the terminal."""
 SHOWN = 30
 """Corrections on the terminal; all are in the files."""
 
@@ -88,7 +95,7 @@ def crew_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
                 (
                     str(one.place),
                     _in_line(place_of(told, spec), names, line),
-                    f"{told.x - masts[told.span - 1]:.2f}",
+                    f"{told.x - masts[told.span - 1]:.2f}" if told.kind == "dropper" else "",
                     f"{1e3 * told.built:.0f}" if told.kind == "dropper" else "",
                     _target(told),
                     f"{1e3 * told.change:+.0f}",
@@ -99,28 +106,20 @@ def crew_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
 
 
 def figure_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
-    """Return the figures as built, and with the first corrections as predicted and computed."""
-    names, rows = line_names(rankings), []
-    for line, ranking in enumerate(rankings):
-        count = ranking.made
-        told = [("as built", ranking.built)]
-        if count:
-            told += [
-                (f"{count} corrected, predicted", ranking.ranked[count - 1].together),
-                (f"{count} corrected, computed", ranking.checked),
-            ]
-        rows += [_figures(_in_line(text, names, line), figures) for text, figures in told]
+    """Return one row for every line with corrections that are made, under :data:`FIGURE_HEAD`."""
+    rows = []
+    for name, one in zip(line_names(rankings), rankings, strict=True):
+        if one.made:
+            predicted = one.ranked[one.made - 1].together
+            rows.append((name, str(one.made), *_figures(one.built, predicted, one.checked)))
     return rows
 
 
-def _figures(name: str, one: Figures) -> tuple[str, ...]:
-    return (
-        name,
-        f"{one.standard_deviation:.2f}",
-        f"{one.maximum:.1f}",
-        f"{one.minimum:.1f}",
-        f"{100.0 * one.loss:.3f}",
-    )
+def _figures(built: Figures, predicted: Figures, checked: Figures) -> Iterator[str]:
+    yield from (f"{one.standard_deviation:.2f}" for one in (built, predicted, checked))
+    yield from (f"{one.maximum:.1f}" for one in (built, checked))
+    yield from (f"{one.minimum:.1f}" for one in (built, checked))
+    yield from (f"{100.0 * one.loss:.3f}" for one in (built, checked))
 
 
 def corrections_csv(rankings: Sequence[Ranking]) -> str:

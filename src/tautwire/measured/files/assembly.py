@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tautwire.errors import InputError
 from tautwire.measured.channels import Channel
+from tautwire.measured.continuity import goes_on
 from tautwire.measured.files.source import text_of
 from tautwire.measured.recording import Array, Recording
 from tautwire.tables.mapping import Side
@@ -40,6 +41,7 @@ class _Rows:
     values: dict[str, Array]
     texts: dict[str, NDArray[np.bytes_]]
     notes: list[str] = field(default_factory=list)
+    jumps: list[tuple[float, float]] = field(default_factory=list)
 
     @property
     def count(self) -> int:
@@ -202,8 +204,7 @@ def _way(label: str, rows: _Rows) -> Array | None:
     if source not in rows.values:
         return None
     place = rows.values[source]
-    if "time" in rows.values:
-        rows.values[source] = place = _counted_on(place, source, rows.notes)
+    rows.values[source] = place = _counted_on(place, source, rows)
     if place[0] == place[-1]:
         raise InputError(f"{label}: the train does not move: the {source} begins and ends alike")
     way = place - place[0] if place[-1] > place[0] else place[0] - place
@@ -212,38 +213,65 @@ def _way(label: str, rows: _Rows) -> Array | None:
     if back[worst] > TURN:
         raise InputError(
             f"{label}: the {source} turns back by {back[worst]:.1f} m at row {worst + 1} of the "
-            "values; give one passage in one direction. A jump of the chainage needs a time, to be "
-            "told from a second passage"
+            "values; give one passage in one direction. Without a time a jump of the chainage is "
+            "told from a second passage only where force, height and stagger go on"
         )
     if back[worst] > 0.0:
         rows.notes.append(f"the {source} jitters by up to {back[worst]:.2f} m; it is held there")
     return _steady(rows, np.maximum.accumulate(way), source)
 
 
-def _counted_on(place: Array, source: str, notes: list[str]) -> Array:
-    """Count a position on where it jumps back from one row to the next and goes on as before.
+def _counted_on(place: Array, source: str, rows: _Rows) -> Array:
+    """Count a position on where it jumps from one row to the next and goes on as before.
 
-    That is an equation of chainage, or a counter that was set back; a train that turns goes back
-    row by row. Only a clock that runs on tells it from a second passage that was appended.
+    That is an equation of chainage, or a counter that was set; a train that turns goes back row by
+    row. A clock that runs on tells a jump back from a second passage that was appended, and a jump
+    forward needs no cure then; without a time the readings tell both, see
+    :mod:`tautwire.measured.continuity`.
     """
     steps = np.diff(place)
     usual = float(np.median(steps))
+    if usual == 0.0 or len(steps) <= 2 * _CALM:
+        return place
     back = np.sign(usual) * steps < -TURN
-    runs = np.sign(usual) * steps > 0.0
-    near = np.convolve(back, np.ones(2 * _CALM + 1), "same")
-    calm = np.convolve(back | ~runs, np.ones(2 * _CALM + 1), "same") <= near
-    jumps = np.flatnonzero(back & (near == 1.0) & calm)
-    if not len(jumps) or usual == 0.0:
+    found = _lone(back, np.sign(usual) * steps > 0.0)
+    if "time" not in rows.values:
+        ahead = steps / usual > HOLE
+        channels = _independent(rows)
+        found = np.array(
+            [at for at in (*found, *np.flatnonzero(ahead))
+             if goes_on(channels, int(at), round(abs(steps[at] / usual)))], dtype=np.int64,
+        )  # fmt: skip
+        found.sort()
+    if not len(found):
         return place
     lost = np.zeros(len(place))
-    lost[jumps + 1] = usual - steps[jumps]
-    first = int(jumps[0])
-    notes.append(
-        f"the {source} jumps back in {len(jumps)} places, the first by {abs(steps[first]):.1f} m "
-        f"after row {first + 1} of the values; it is counted on from there, so that what lies "
-        f"beyond is {abs(lost[first + 1]):.1f} m off what was recorded (--offset)"
+    lost[found + 1] = usual - steps[found]
+    first = int(found[0])
+    rows.notes.append(
+        f"the {source} jumps {'back' if back[first] else 'on'} in {len(found)} places, the first "
+        f"by {abs(steps[first]):.1f} m after row {first + 1} of the values; it is counted on from "
+        f"there, so that what lies beyond is {abs(lost[first + 1]):.1f} m off what was recorded "
+        "(--offset)"
     )
-    return place + np.cumsum(lost)
+    counted = place + np.cumsum(lost)
+    rows.jumps = [(float(abs(counted[at] - counted[0])), float(steps[at])) for at in found]
+    return counted
+
+
+def _lone(back: Mask, runs: Mask) -> NDArray[np.int64]:
+    """Return steps back that stand alone among steps forward."""
+    near = np.convolve(back, np.ones(2 * _CALM + 1), "same")
+    calm = np.convolve(back | ~runs, np.ones(2 * _CALM + 1), "same") <= near
+    return np.flatnonzero(back & (near == 1.0) & calm)
+
+
+def _independent(rows: _Rows) -> list[Array]:
+    """Return force, height, stagger and thickness: what goes on where the train does not move."""
+    sensors = [values for name, values in rows.values.items() if name.startswith("sensor_force")]
+    force = rows.get("force") if not sensors else np.sum(sensors, axis=0)
+    others = (rows.get(name) for name in ("height", "stagger", "thickness"))
+    return [values for values in (force, *others) if values is not None]
 
 
 def _interpolate(rows: _Rows, name: str) -> None:
@@ -440,6 +468,7 @@ def _recording(
         arc=rows.get("arc"),
         comments=_texts(rows.texts.get("comment"), time),
         notes=tuple(rows.notes),
+        jumps=tuple(rows.jumps),
         mark_times=marks[0],
         mark_chainages=marks[1],
     )
