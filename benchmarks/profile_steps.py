@@ -38,8 +38,8 @@ class Work:
     bytes: float
 
 
-# Elements: forces 340 (axial 60, bending 200, the rest 80), inertia 70, strains 30; state 36; assembly
-# 40; in single precision damping 162, rotation 66 and factor 72.
+# Elements: forces 340 (axial 60, bending 200, the rest 80), inertia 70, strains 30; state 36;
+# assembly 40; in single precision damping 162, rotation 66 and factor 72.
 ELIMINATION = Work(
     flops=340 + 70 + 30 + 36 + 40 + (162 + 66 + 72) / 2,
     bytes=8 * (18 + 12 + 6 + 10 + 1) + 4 * (45 + 36 + 4 + 6),
@@ -97,10 +97,9 @@ def main() -> None:
     block = fastest(stepper, nodes, lanes)
     here = machine.measure().best_with(here)
     print(f"{backend_name()}, {given.spans} spans, NAD {given.nodes}, {dofs} DOF", end=", ")
-    print(
-        f"{1e6 * block.spent['step']:.0f} us per step; of the line, {block.formed / nodes:.2f} times"
-    )
-    print(f"the nodes are formed and {block.solved / nodes:.2f} times solved for")
+    print(f"{1e6 * block.spent['step']:.0f} us per step;")
+    print(f"the line is formed {block.formed / nodes:.2f} times", end=" and ")
+    print(f"solved for {block.solved / nodes:.2f} times per step")
     print(f"machine: dgemm {here.dgemm:.1f} GFlop/s, triad {here.cached:.1f} GB/s in cache\n")
     print("part             us/step  share  GFlop/s  of dgemm    GB/s  of triad")
     for name, work_of, count in (

@@ -35,15 +35,30 @@ public:
         if (run.last() + 1 != set.bounds[part + 1]) return;
         for (int i = 0; i < 6; ++i) ends_[part][i] = y_[run.last() * 6 + i];
     }
+    // Whether what a part leaves is felt in the next part only, so that parts can be finished side by
+    // side.
+    bool is_local(const RowSet& set) const {
+        bool is = true;
+        for (int part = 0; part < layout_.parts; ++part)
+            is &= forward_reach_ <= set.bounds[part + 1] - set.bounds[part];
+        return is;
+    }
     // Bring in what the last rows of the part before contribute.
     void finish_elimination(const RowSet& set, int part) {
-        bool is_local = true;
-        for (int each = 0; each < layout_.parts; ++each)
-            is_local &= forward_reach_ <= set.bounds[each + 1] - set.bounds[each];
-        if (is_local) {
-            carry_over(set, part);
-        } else if (part == 0) {  // it is felt beyond the next part
-            for (int each = 0; each < layout_.parts; ++each) carry_over(set, each);
+        int row = set.bounds[part];
+        if (!set.solved[layout_.before(row)]) return;
+        Floats carry[6];
+        for (int i = 0; i < 6; ++i) carry[i] = ends_[part > 0 ? part - 1 : layout_.parts - 1][i];
+        for (int step = 0; step < forward_reach_ && set.solved[row]; ++step, row = layout_.after(row)) {
+            if (row == 0)
+                for (Floats& value : carry) value = to_next_piece(value);
+            Floats change[6];
+            for (Floats& value : change) value = broadcast<Floats>(0.0);
+            subtract_lower(row, carry, change);
+            for (int i = 0; i < 6; ++i) {
+                carry[i] = change[i];
+                y_[row * 6 + i] += change[i];
+            }
         }
     }
 
@@ -131,24 +146,6 @@ private:
         }
     }
 
-    // Add to the rows of a part what follows from the end of the part before.
-    void carry_over(const RowSet& set, int part) {
-        int row = set.bounds[part];
-        if (!set.solved[layout_.before(row)]) return;
-        Floats carry[6];
-        for (int i = 0; i < 6; ++i) carry[i] = ends_[part > 0 ? part - 1 : layout_.parts - 1][i];
-        for (int step = 0; step < forward_reach_ && set.solved[row]; ++step, row = layout_.after(row)) {
-            if (row == 0)
-                for (Floats& value : carry) value = to_next_piece(value);
-            Floats change[6];
-            for (Floats& value : change) value = broadcast<Floats>(0.0);
-            subtract_lower(row, carry, change);
-            for (int i = 0; i < 6; ++i) {
-                carry[i] = change[i];
-                y_[row * 6 + i] += change[i];
-            }
-        }
-    }
     void store(int node, const NodeFactor& factor);
     int reach(bool forward) const;
     int reach_from(int row, bool forward) const;

@@ -30,6 +30,7 @@ public:
     void set_rotation(int, const Row&) {}
     TAUTWIRE_INLINE void eliminate(int row, bool starts, const Row& r);
     void end_run(const RowSet&, int, const Run&) {}
+    bool is_local(const RowSet&) const { return true; }
     void finish_elimination(const RowSet&, int) {}
     void project(const RowSet&, int) {}
     bool solve_couplings(const bool* closed, const double* compliance);

@@ -81,7 +81,8 @@ public:
         chain_.eliminate(row, starts, x);
     }
     void end_run(const RowSet& set, int part, const Run& run) { chain_.end_run(set, part, run); }
-    // To be called for all parts when all of them are eliminated.
+    // To be called for all parts when all of them are eliminated; side by side if that is local.
+    bool is_local(const RowSet& set) const { return chain_.is_local(set); }
     void finish_elimination(const RowSet& set, int part) {
         chain_.finish_elimination(set, part);
     }

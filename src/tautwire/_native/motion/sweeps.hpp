@@ -324,8 +324,10 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
 template <class P>
 bool Sweeps::correct(P& preconditioner, const RowSet& set, const bool* closed, const double* compliance) {
     const int parts = line.layout.parts;
+    const bool is_local = preconditioner.is_local(set);
+    for (int part = 0; !is_local && part < parts; ++part) preconditioner.finish_elimination(set, part);
     team->share(parts, [&](int part) {
-        preconditioner.finish_elimination(set, part);
+        if (is_local) preconditioner.finish_elimination(set, part);
         preconditioner.project(set, part);
     });
     if (!preconditioner.solve_couplings(closed, compliance)) return false;
