@@ -35,7 +35,7 @@ CLOSING = {
     "contact_loss": r"variable 1 ms against constant 1 ms, interpolated: [1-9]\d* losses, ",
     "error_bars": r"[01] of 1 lines contained",
     "exudyn_line": r"raw contact forces: correlation 0\.9\d+, ",
-    "library_lines": r"ac-simple-curve, NAD 9 +39384 ",
+    "library_lines": r"ac-simple-curve, NAD 9 +39\d{3} ",
     "monte_carlo": r"{'cpu_s_per_case_1': \d",
     "time_step": r" +2\.00  extrapolated ",
     "topologies": r"graded +11532 ",

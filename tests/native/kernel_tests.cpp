@@ -159,14 +159,26 @@ void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double k
     Buffer<Row> rows(layout.rows);
     for (int k = 0; k < 6 * layout.nodes; ++k) value(rows, layout, k / 6, k % 6) = b[k];
     const RowSet whole(layout);
-    matrix.begin_elimination(whole);
-    matrix.begin_run(whole.runs[0]);
-    for (int row = 0; row < layout.rows; ++row) matrix.eliminate(row, rows[row]);
-    matrix.finish_elimination();
-    expect(matrix.correct(closed, compliance), "couplings are positive definite");
-    matrix.begin_substitution();
+    const auto each_run = [&](auto work) {
+        for (int part = 0; part < layout.parts; ++part)
+            for (const Run& run : whole.runs[part]) work(part, run);
+    };
+    each_run([&](int part, const Run& run) {
+        for (int row = run.first; row <= run.last(); ++row)
+            matrix.eliminate(row, row == run.first, rows[row]);
+        matrix.end_run(whole, part, run);
+    });
+    for (int part = 0; part < layout.parts; ++part) matrix.finish_elimination(whole, part);
+    for (int part = 0; part < layout.parts; ++part) matrix.project(whole, part);
+    expect(matrix.solve_couplings(closed, compliance), "couplings are positive definite");
+    for (int part = 0; part < layout.parts; ++part) matrix.apply_couplings(whole, part);
     Floats size = broadcast<Floats>(0.0), total = size;
-    for (int row = layout.rows - 1; row >= 0; --row) matrix.substitute(row, rows[row], size, total);
+    each_run([&](int, const Run& run) {
+        typename P::Local local;
+        matrix.begin_substitution(whole, run, local);
+        for (int row = run.last(); row >= run.first; --row)
+            matrix.substitute(row, local, rows[row], size, total);
+    });
     for (int k = 0; k < 6 * layout.nodes; ++k) x[k] = value(rows, layout, k / 6, k % 6);
 }
 
@@ -193,9 +205,12 @@ void test_solvers() {
     const int contact = 5, n = 6 * layout.nodes;
 
     Buffer<Row> still(layout.rows), force(layout.rows);
-    attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, RowSet(layout));
-    attached.release(force);
-    expect(attached.acting_ties()[0] && !attached.acting_ties()[1], "one tie is taut, one slack");
+    const RowSet whole(layout);
+    for (int part = 0; part < layout.parts; ++part)
+        attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, whole, part);
+    for (int part = 0; part < layout.parts; ++part) attached.release(force, whole, part);
+    for (int n = 0; n < 2; ++n)
+        expect(attached.acting_ties()[n] == (attached.ties[n].number == 0), "one tie is taut, one slack");
     bool is_clean = true;
     for (int k = 0; k < n; ++k) is_clean &= value(force, layout, k / 6, k % 6) == 0.0;
     expect(is_clean, "forces are taken away again exactly");
@@ -228,27 +243,36 @@ void test_selection() {
     Selection selection(layout);
     Buffer<Floats> sizes(layout.rows);
     const List<int> touched;
+    const auto choose = [&] {
+        for (int part = 0; part < layout.parts; ++part) selection.look(sizes, 1.0f, part);
+        for (Floats& size : sizes) size = broadcast<Floats>(0.0);
+        return selection.choose(1.0f, touched, true);
+    };
+    const auto learn = [&] {
+        for (int part = 0; part < layout.parts; ++part) selection.learn(sizes, 1.0f, true, part);
+        return selection.overlooked();
+    };
     selection.begin(1e-3);
     expect(selection.verifies(), "a first step iterates everywhere");
-    expect(!selection.choose(sizes, 1.0f, touched, true), "nothing is chosen where nothing moves");
+    expect(!choose(), "nothing is chosen where nothing moves");
     sizes[0][1] = 2.0f;  // its neighbour is the end of piece 0
-    expect(selection.choose(sizes, 1.0f, touched, true), "an increment above the bound is chosen");
+    expect(choose(), "an increment above the bound is chosen");
     const RowSet& rows = selection.rows;
     expect(rows.formed[0] && rows.formed[layout.rows - 1] && !rows.formed[30], "with its neighbours");
     bool inside = true;
     for (int row = 0; row < layout.rows; ++row) inside &= rows.solved[row] || !rows.formed[row];
     expect(inside, "what is formed is solved for");
-    expect(rows.runs.size() == 1 && rows.runs[0].first > 30, "one run goes round the end");
+    expect(rows.solved[0] && rows.solved[layout.rows - 1], "the run goes round the end");
     for (int step = 0; step < 40; ++step) {
         sizes[0][1] = 0.01f;
-        expect(selection.learn(sizes, 1.0f, true) < 1.0, "nothing was overlooked");
+        expect(learn() < 1.0, "nothing was overlooked");
         sizes[0][1] = 2.0f;
-        selection.choose(sizes, 1.0f, touched, true);
+        choose();
         sizes[0][1] = 2.0f;
     }
-    expect(!selection.choose(sizes, 1.0f, touched, true), "a small share is learned");
+    expect(!choose(), "a small share is learned");
     sizes[0][1] = 3.0f;
-    expect(selection.learn(sizes, 1.0f, true) == 3.0, "what is overlooked is told");
+    expect(learn() == 3.0, "what is overlooked is told");
 }
 
 // Energy of one element per lane from the formula at the head of element.hpp, by the same rule.

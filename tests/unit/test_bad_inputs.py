@@ -83,6 +83,10 @@ BAD_VALUES = {
         "droppers: {presag: [0, 24, 41, 52, 55, 52, 41, 24, 0]}",
         ["droppers.presag[2] (dropper 2 of every span): got 24", "did you mean '24 mm'?"],
     ),
+    "a curve written as stagger": (
+        "supports: {contact_stagger: [0.2, -13.9, -24.8]}",
+        ["supports.contact_stagger[2] (support 2, x = 55 m): got -13.9", "'track' says"],
+    ),
     "pre-sag is a text": (
         "droppers: {presag: flat}",
         ["droppers.presag: got 'flat'; expected a list [...] or a list of lists, one per span"],

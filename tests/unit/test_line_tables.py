@@ -291,6 +291,38 @@ def test_words_of_keys_head_columns(word: str, tmp_path: Path) -> None:
     assert not mapping.aside
 
 
+LENGTHS = """name;from mast;to mast;left;right;mid-point anchor
+T1;1;12;weighted;weighted;6
+T2;9;20;weighted;weighted;15
+"""
+OVERLAPS = "kind;separation [mm];rise [mm];anchor rise\nthree-span;400;350;1.0\n"
+OVERLAPPING = """schema: 2
+include: ac-simple
+name: mine
+line: {spans: 19}
+supports: {closure: height}
+tables: {tension_lengths: lengths.csv, overlaps: overlaps.csv}
+"""
+
+
+def test_tension_lengths_and_overlaps(tmp_path: Path) -> None:
+    """Two tables say what the library case with an overlap says; a cell without mast is named."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(OVERLAPPING, encoding="utf-8")
+    (tmp_path / "lengths.csv").write_text(LENGTHS, encoding="utf-8")
+    (tmp_path / "overlaps.csv").write_text(OVERLAPS, encoding="utf-8")
+    case, known = load_case(path), load_case("ac-simple-overlap")
+    assert case.tension_lengths == known.tension_lengths
+    assert case.overlaps == known.overlaps
+    (tmp_path / "lengths.csv").write_text(LENGTHS.replace("T2;9;", "T2;B9;"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"line 3, column 'from mast': got 'B9'; give the name"):
+        load_case(path)
+    named = "line: {spans: 19, masts: [" + ", ".join(f"M{n}" for n in range(1, 21)) + "]}"
+    path.write_text(OVERLAPPING.replace("line: {spans: 19}", named), encoding="utf-8")
+    with pytest.raises(InputError, match=r"B9"):
+        load_case(path)
+
+
 def test_spacing_is_no_position(tmp_path: Path) -> None:
     """A distance from dropper to dropper is not read as a position along the span."""
     assert meaning_of("spacing") == Meaning(key="droppers.positions")

@@ -147,6 +147,8 @@ def test_element_kernels_take_float64_only() -> None:
         ("time_step", float("nan"), "positive"),
         ("time_step", "1 ms", "expected a number"),
         ("full_newton", 1, "expected True or False"),
+        ("threads", 0, "from 1 to 2"),
+        ("threads", 3, "from 1 to 2"),
     ],
 )
 def test_numbers_of_a_scheme_are_checked(name: str, value: Any, words: str) -> None:

@@ -155,9 +155,12 @@ def test_slack_droppers_are_named() -> None:
     case = line(droppers__mode="length", droppers__presag=None, droppers__lengths=rows)
     texts = told(case)
     assert any(
-        "1 of 30 droppers carry nothing at rest (usual: none): dropper 2 of span 3" in text
+        "1 of 30 droppers carry nothing at rest (usual: none): dropper 2 of span 3;" in text
         for text in texts
     )
+    masts = [f"4/{number}" for number in range(1, 8)]
+    named = told(case.with_(**{"line.masts": masts}))
+    assert any("dropper 2 of span 3 (from mast 4/3);" in text for text in named)
 
 
 def test_wires_that_are_none() -> None:

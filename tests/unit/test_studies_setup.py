@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from tautwire.results.equilibrium import Equilibrium
 from tautwire.specs.case import Case
 from tautwire.studies.execution import setup
 from tautwire.studies.execution.setup import Lines, key_of_shape
+from tautwire.studies.execution.task import simulate_case
 
 BASE = {"line.spans": 3, "settings.nodes_between_droppers": 3, "settings.section": [2, 2]}
 UNEVEN = [{"kind": "uniform", "spacing": "1 m", "amplitude": "0.5 mm"}]
@@ -100,3 +102,15 @@ def test_the_oldest_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
     for spans in (3, 4, 3, 5, 3, 4):
         lines.at_rest(case_of({"line.spans": spans}))
     assert found == [3, 4, 5, 4]
+
+
+def test_kept_histories_change_no_number() -> None:
+    """A case whose histories are kept, and which so has pictures 20 ms apart, gives the very
+    numbers of one whose are not, tuned mean force and error bars among them."""
+    case = case_of({"settings.error": "estimate", "scenario.mean_force": 120.0})
+    kept, image = simulate_case(case, True)
+    plain, nothing = simulate_case(case, False)
+    assert image is not None
+    assert nothing is None
+    assert kept["tuning_passes"] > 1
+    assert json.dumps(kept) == json.dumps(plain)

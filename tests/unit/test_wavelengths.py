@@ -172,6 +172,14 @@ def test_pairs_of_droppers_are_passed_as_one() -> None:
     assert line_lengths(ac_simple()).dropper_interval == 5.75
 
 
+@pytest.mark.parametrize("name", ["ac-simple-overlap", "ac-simple-curve"])
+def test_an_overlap_has_the_lengths_of_its_line(name: str) -> None:
+    """What raises a wire at a support of an overlap is no dropper that a pantograph passes."""
+    found = line_lengths(load_case(name)).named(elements=False)
+    assert found == line_lengths(load_case("ac-simple")).named(elements=False)
+    assert line_lengths(load_case(name)).shortest == 4.5
+
+
 def test_check_advice_and_report_name_the_same_lengths() -> None:
     """On unequal spans wave quantities, advice and spectrum mark the same span, DD and SD."""
     spans = [50.0, 50.0, 60.0, 50.0, 60.0, 50.0, 45.0]

@@ -115,10 +115,29 @@ def test_conditions_of_least_squares_hold() -> None:
     assert not none.any()
 
 
-def test_exact_readings_give_the_line_back() -> None:
-    """Heights and lengths without noise return lengths to 0.1 mm and the case hangs like them."""
+STAY = {"name": "stay", "span": 2, "at": 14.0, "end_y": 3.0, "end_z": 8.0, "stiffness": 5e5}
+FITTED: dict[str, dict[str, Any]] = {
+    "bare": {},
+    "cantilevers": {
+        "supports.cantilever": {
+            "arm": {"lateral": 2e5, "vertical": 1e5},
+            "messenger": {"lateral": 3e5},
+        }
+    },
+    "a pulling stay": {"stays": [{**STAY, "wire": "messenger", "law": "bar", "force": 200.0}]},
+    "a stay that is slack": {"stays": [{**STAY, "wire": "contact", "law": "rope"}]},
+    "a splice": {
+        "bodies": [{"name": "a", "wire": "messenger", "span": 2, "at": 21.0, "mass": 3.0}]
+    },
+}
+
+
+@pytest.mark.parametrize("fitting", FITTED)
+def test_exact_readings_give_the_line_back(fitting: str) -> None:
+    """Heights and lengths without noise return lengths to 0.1 mm and the case hangs like them,
+    whatever holds the wires or sits on them."""
     random = np.random.default_rng(4)
-    case = random_line(random, 3)
+    case = random_line(random, 3).with_(**FITTED[fitting])
     line = SurveyedLine(build(case))
     true = built_at_random(line, random)
     survey = surveyed(line, true, random, lengths=True)

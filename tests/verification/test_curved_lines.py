@@ -259,9 +259,8 @@ def test_weights_keep_the_tension_on_a_gradient() -> None:
     model, shape = shape_of(line({"profile": profile}, tension_lengths=lengths))
     assert shape.end_pulls == pytest.approx(level.end_pulls, rel=1e-12)
     assert shape.reaction == pytest.approx(shape.weight, rel=1e-9)
-    cosine = np.sqrt(1.0 - gradient**2)
     taken = sum(
-        cosine * one.along + gradient * one.vertical
+        one.along + gradient * one.vertical
         for one in support_forces(model, shape)
         if one.support == fixed
     )

@@ -237,3 +237,14 @@ def test_tables_of_modes(short_line: tuple[Model, Equilibrium, System]) -> None:
     assert len(shapes) == 1 + len(shape.contact.s)
     assert len(shapes[0].split(",")) >= 9
     assert result.as_dict()["counted_by_inertia"] == 4
+
+
+def test_a_contact_wire_alone_has_all_the_energy() -> None:
+    """Without a messenger wire its shares are there and nothing, and the rows are complete."""
+    case = load_case("tram", {"line.spans": 4, "settings.section": [2, 3]})
+    model = build(case)
+    rows = modes(model, find_shape(model), count=3).rows()
+    shares = [[value for key, value in row.items() if key.startswith("share_")] for row in rows]
+    assert [len(one) for one in shares] == [6, 6, 6]
+    assert np.array(shares)[:, 3:].max() == 0.0
+    assert np.array(shares).sum(axis=1) == pytest.approx(np.ones(3))

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from tautwire.analyses.force.statistics import contact_statistics
+from tautwire.analyses.road.dynamics import Simulation
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.errors import ConvergenceError
-from tautwire.model.build import Model
 from tautwire.numerics.motion.stepper import StepBlock
 from tautwire.specs.case import Case
 from tautwire.specs.scenario import TUNING_TOLERANCE
@@ -229,20 +229,20 @@ def test_failed_tuning_keeps_the_last_finished_passage(monkeypatch: pytest.Monke
     passage that fails only leaves the next force less well known."""
     from tautwire.analyses.road import mean_force
 
-    simulate, own = mean_force.simulate, [0]
+    carried_out, own = mean_force.carried_out, [0]
     case = train(1).with_(**{"scenario.mean_force": 120.0, "scenario.uplift_guess": 140.0})
 
-    def failing(model: Model, *arguments: Any, **options: Any) -> Any:
-        if model.case != case:
+    def failing(simulation: Simulation, *arguments: Any) -> Any:
+        if simulation.model.case != case:
             raise ConvergenceError("coarse passages fail")
         own[0] += 1
         if own[0] == 2:
             raise ConvergenceError("the second passage fails")
         if own[0] == 4:
             raise KeyboardInterrupt
-        return simulate(model, *arguments, **options)
+        return carried_out(simulation, *arguments)
 
-    monkeypatch.setattr(mean_force, "simulate", failing)
+    monkeypatch.setattr(mean_force, "carried_out", failing)
     with pytest.raises(ConvergenceError, match=r"second passage fails.*kept as a whole") as caught:
         run_case(case)
     assert caught.value.partial.time[-1] > 1.5

@@ -40,6 +40,10 @@ struct LineData {
     const double *stiffening_bending, *stiffening_load;  // (nodes - 1,), (nodes, 6)
 };
 
+// Parts of a line that threads can work on side by side, if it is long enough (line/layout.hpp). More
+// than two were not needed: each end of a part costs some rows twice.
+inline constexpr int kMostParts = 2;
+
 // Time integration (theory: numerics/newmark.py) and when an iteration stops.
 struct Scheme {
     double alpha, beta, gamma;
@@ -47,6 +51,7 @@ struct Scheme {
     double tolerance;
     int iterations;
     bool full_newton;
+    int threads;  // that take part, the calling one included; the numbers do not depend on them
 };
 
 // One pantograph as a chain of stages, head first (numerics/pantograph.py).
@@ -84,7 +89,8 @@ enum class Outcome { running, not_converged, singular, not_finite, off_the_line,
 struct Counters {
     std::int64_t steps, iterations, refactorisations, full_newton_steps;
     std::int64_t local_iterations;  // in some rows alone
-    std::int64_t local_rows;        // rows of local iterations
+    std::int64_t local_rows;        // rows of local iterations where residuals were formed
+    std::int64_t solved_rows;       // rows of local iterations that were solved for
     double overlooked;              // largest increment where none above the tolerance was expected [m]
 };
 

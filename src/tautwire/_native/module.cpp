@@ -65,11 +65,11 @@ public:
         engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
     }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t,
-               double>
+               std::int64_t, double>
     counters() const {
         const Counters c = engine_->counters();
         return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps,
-                c.local_iterations, c.local_rows, c.overlooked};
+                c.local_iterations, c.local_rows, c.solved_rows, c.overlooked};
     }
 
 private:
@@ -136,12 +136,15 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     data.stiffening_load = stiffened ? numbers("stiffening_load", dofs) : nullptr;
     data.damping_mass = Arguments::value<double>(line, "damping_mass");
     data.damping_stiffness = Arguments::value<double>(line, "damping_stiffness");
+    const int threads = Arguments::value<int>(scheme, "threads");
+    if (threads < 1 || threads > kMostParts)
+        throw nb::value_error(("threads must be from 1 to " + std::to_string(kMostParts)).c_str());
     const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"),
                      Arguments::positive(scheme, "time_step"), number("tolerance"),
                      Arguments::value<int>(scheme, "iterations"),
-                     Arguments::value<bool>(scheme, "full_newton")}));
+                     Arguments::value<bool>(scheme, "full_newton"), threads}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
@@ -219,6 +222,7 @@ NB_MODULE(_core, m) {
     chosen = runnable_backends().front();
     m.doc() = "Compiled kernels of tautwire; use them through tautwire.numerics.motion.backend.";
     m.attr("built") = names_of(built_backends());
+    m.attr("most_threads") = kMostParts;
     m.attr("runnable") = names_of(runnable_backends());
     m.def("instruction_set", [] { return chosen->name; });
     m.def("use", &use, nb::arg("name"));

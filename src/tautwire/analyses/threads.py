@@ -1,4 +1,4 @@
-"""Linear algebra on one thread.
+"""Which work is done on one thread, and how many could run.
 
 Banded solves of this size do not profit from several threads; waiting for one another, the threads
 of the linear-algebra library cost several times the work.
@@ -6,6 +6,7 @@ of the linear-algebra library cost several times the work.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
@@ -25,3 +26,10 @@ def single_threaded(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **kwargs)
 
     return limited
+
+
+def core_count() -> int:
+    """Return the number of cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -237,7 +237,8 @@ def _out_of_range(fault: ErrorDetails, target: Target, written: Any) -> str:
     typical = f" (typical: {quantity.typical})" if quantity.typical else ""
     allowed = f"; must be {words} {bound:g} {quantity.unit}".rstrip()
     slip = _slip(quantity, written) if key in ("lt", "le") else ""
-    return f"{si}{allowed}{typical}{slip}"
+    beyond = f"; {quantity.beyond}" if quantity.beyond and not slip else ""
+    return f"{si}{allowed}{typical}{slip}{beyond}"
 
 
 def _slip(quantity: Quantity, written: Any) -> str:

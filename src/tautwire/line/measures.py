@@ -49,12 +49,14 @@ def span_lengths(line: Line) -> tuple[float, ...]:
 def droppers_of_spans(line: Line, role: str = "contact") -> tuple[tuple[float, ...], ...]:
     """Return where droppers carry wires of a role, from the mast on the left, span by span [m].
 
-    Droppers at the same place of several wires count once.
+    Droppers at the same place of several wires count once. What raises a wire at a support of an
+    overlap is none of them: no pantograph comes there.
     """
     names = {run.name for run in line.runs if run.role == role}
+    held = {piece.at for piece in line.registrations}
     found: list[list[float]] = [[] for _ in line.masts[1:]]
     for hanger in line.hangers:
-        if hanger.lower.run in names:
+        if hanger.lower.run in names and hanger.lower not in held:
             found[hanger.label.span - 1].append(hanger.lower.s)
     return tuple(
         tuple(round(s - left, _DIGITS) for s in _distinct(places))

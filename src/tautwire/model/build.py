@@ -235,10 +235,10 @@ def _design_loads(line: Line, mesh: Mesh, lumped: Array, gravity: float) -> Arra
             outward = along[node] if side else -along[node]
             load[node, :3] += strand.run.wire.tension * strand.leads[side] * outward
     for joint in line.joints:
-        run = line.by_name[joint.other.run]
-        if joint.other.s == run.end.s:
+        strand = mesh.strand(joint.other.run)
+        if joint.other.s == strand.run.end.s:
             host = mesh.node(joint.host)
-            load[host, :3] -= run.wire.tension * along[host]
+            load[host, :3] -= strand.run.wire.tension * strand.leads[1] * along[host]
     for group in groups(line, mesh):
         local = group.kind.design_load(group.gravity(gravity))
         load[group.nodes, :3] += group.frames.turned(local)

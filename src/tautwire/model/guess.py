@@ -177,8 +177,9 @@ def _network(
     width = int(max(np.concatenate([*steps, np.abs(np.diff(links, axis=1)).ravel()])))
     band, rhs = np.zeros((width + 1, mesh.node_count)), np.zeros(mesh.node_count)
     free = [i for i, h in enumerate(line.hangers) if isinstance(h.given, GivenHeight)]
-    held = [mesh.nodes(line.hangers[i].lower for i in free)]
-    heights = [np.array([_wanted(line.hangers[i], errors[0][i]) for i in free])]
+    heels = mesh.heels[mesh.heels >= 0]  # at no string; where they are follows from their arms
+    held = [mesh.nodes(line.hangers[i].lower for i in free), heels]
+    heights = [np.array([_wanted(line.hangers[i], errors[0][i]) for i in free]), 0.0 * heels]
     for strand in mesh.strands:
         string = strings[strand.run.name]
         diagonal, upper = _string_matrix(string.x, string.tension)

@@ -116,7 +116,7 @@ def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
     """
     return (
         *_heights(case, shape),
-        *_slack(shape),
+        *_slack(case, shape),
         *_scatter(case, shape),
         *_arms(case, shape),
         *_bent(case, shape),
@@ -133,8 +133,9 @@ def _bent(case: Case, shape: Equilibrium) -> Iterator[Advice]:
             continue
         yield _warning(
             "elastic cantilever",
-            f"the heel at support {support} gives way by {pull / arm.lateral:.2f} m under the "
-            f"{pull:.0f} N that its arm pulls sideways (usual: at most {BENT:g} m)",
+            f"the heel at {case.line.support_in_words(int(support))} gives way by "
+            f"{pull / arm.lateral:.2f} m under the {pull:.0f} N that its arm pulls sideways "
+            f"(usual: at most {BENT:g} m)",
             "check supports.cantilever.arm.lateral (50 to 500 kN/m)",
         )
         return
@@ -241,8 +242,8 @@ def _rounded_presag(case: Case) -> Iterator[Advice]:
             yield _warning(
                 "pre-sag",
                 f"the pre-sags are whole millimetres, and half a millimetre more or less changes "
-                f"the force of dropper {number} of span {span} by {force:.0f} N, "
-                f"{100 * share:.0f} % of the wire it carries (usual: at most "
+                f"the force of dropper {number} of {case.line.span_in_words(span)} by "
+                f"{force:.0f} N, {100 * share:.0f} % of the wire it carries (usual: at most "
                 f"{100 * ROUNDED_SHARE:g} %): its neighbours are close",
                 "give droppers.presag to a hundredth of a millimetre, or droppers.lengths",
             )
@@ -285,18 +286,20 @@ def _heights(case: Case, shape: Equilibrium) -> Iterator[Advice]:
         yield _warning(
             "height of the wire",
             f"the contact wire lies {abs(off[worst]):.2f} m {side} supports.contact_height at "
-            f"support {shape.support_number[worst]} (usual: within "
+            f"{case.line.support_in_words(int(shape.support_number[worst]))} (usual: within "
             f"{HEIGHT_OFF:g} m)",
             cure,
         )
 
 
-def _slack(shape: Equilibrium) -> Iterator[Advice]:
+def _slack(case: Case, shape: Equilibrium) -> Iterator[Advice]:
     """Name droppers that carry nothing at rest."""
     slack = np.flatnonzero(shape.dropper_forces < SLACK)
     if len(slack):
         names = [
-            f"dropper {shape.dropper_number[i]} of span {shape.dropper_span[i]}" for i in slack
+            f"dropper {shape.dropper_number[i]} of "
+            f"{case.line.span_in_words(int(shape.dropper_span[i]))}"
+            for i in slack
         ]
         yield _warning(
             "slack droppers",
@@ -324,8 +327,8 @@ def _scatter(case: Case, shape: Equilibrium) -> Iterator[Advice]:
     if span:
         yield _warning(
             "dropper forces",
-            f"the dropper forces of span {span} range from {low:.1f} to {high:.1f} N, 1 to "
-            f"{ratio:.1f} (usual: up to 1 to {SCATTER:g})",
+            f"the dropper forces of {case.line.span_in_words(span)} range from {low:.1f} to "
+            f"{high:.1f} N, 1 to {ratio:.1f} (usual: up to 1 to {SCATTER:g})",
             "check droppers.presag or droppers.lengths there; a millimetre at droppers close to "
             "each other is worth tens of newtons",
         )
@@ -341,7 +344,7 @@ def _arms(case: Case, shape: Equilibrium) -> Iterator[Advice]:
             "steady arms",
             f"{much.sum()} of {len(share)} carry more than {ARM_SHARE:g} of the contact wire "
             "between the droppers beside them (usual: 0 to 0.5): "
-            f"{_at_supports(share[much], number[much], '', 2)}; they stand at "
+            f"{_at_supports(case, share[much], number[much], '', 2)}; they stand at "
             f"{_range(degrees[much], '°', 1)} (usual: 6 to 16°). Arms that carry the wire take 10 "
             "to 45 % off the uplift",
             "use supports.closure 'lift' with the share that is built (supports.share)",
@@ -352,7 +355,7 @@ def _arms(case: Case, shape: Equilibrium) -> Iterator[Advice]:
             "steady arms",
             f"{odd.sum()} of {len(degrees)} stand outside {low:g} to {high:g}° (usual: 6 to 16°, "
             "about 1° where they carry only themselves): "
-            f"{_at_supports(degrees[odd], number[odd], '°', 1)}",
+            f"{_at_supports(case, degrees[odd], number[odd], '°', 1)}",
             _ALONE
             if not len(shape.dropper_x)
             else "check the heights and staggers beside these supports (supports.contact_height, "
@@ -389,11 +392,16 @@ def _range(values: Array, unit: str, digits: int) -> str:
     return f"{low}{unit}" if low == high else f"{low} to {high}{unit}"
 
 
-def _at_supports(values: Array, numbers: NDArray[np.int64], unit: str, digits: int) -> str:
+def _at_supports(
+    case: Case, values: Array, numbers: NDArray[np.int64], unit: str, digits: int
+) -> str:
     """Name values one by one, or their range where there are many."""
     if len(values) <= _NAMED:
-        pairs = zip(values, numbers, strict=True)
-        return ", ".join(f"{value:.{digits}f}{unit} at support {n}" for value, n in pairs)
+        told = [
+            f"{value:.{digits}f}{unit} at {case.line.support_in_words(number)}"
+            for value, number in zip(values, numbers.tolist(), strict=True)
+        ]
+        return ("; " if case.line.place_of_support(0) else ", ").join(told)
     return f"{_range(values, unit, digits)} at supports {numbers.min()} to {numbers.max()}"
 
 

@@ -39,7 +39,8 @@ def form_of(value: object) -> str:
 class Quantity:
     """Annotation of a float field: SI unit, allowed range, typical value.
 
-    The field accepts a number (SI) or a text with a unit; it always holds a finite SI float.
+    The field accepts a number (SI) or a text with a unit; it always holds a finite SI float. Where
+    values out of range are written for something else, ``beyond`` says what that is called here.
 
     Examples
     --------
@@ -52,6 +53,7 @@ class Quantity:
     lt: float | None = None
     le: float | None = None
     typical: str = ""
+    beyond: str = ""
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler

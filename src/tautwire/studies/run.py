@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from tautwire.analyses.threads import core_count
 from tautwire.errors import InputError
 from tautwire.files import FolderLock
 from tautwire.specs.study import Study
@@ -143,13 +144,6 @@ def run_study(
         with executor or LocalWorkers(core_count(), folder) as running:
             _compute(plan, finished, running, chosen, watch)
         return collect(plan, store)
-
-
-def core_count() -> int:
-    """Return the number of cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _kept(plan: Plan, store: Store, options: Options) -> dict[str, str]:

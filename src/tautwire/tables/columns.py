@@ -11,7 +11,7 @@ from typing import Any
 from tautwire.specs.schema.vocabulary import folded, words_for
 
 TEXT, COUNT, DEGREES, ANY = "text", "#", "deg", "any"
-KINDS = ("supports", "droppers", "wires", "bodies", "stays")
+KINDS = ("supports", "droppers", "wires", "bodies", "stays", "tension_lengths", "overlaps")
 """Tables of a line."""
 BOOK_KINDS = (*KINDS, "values", "sources")
 """Tables of a workbook that is a case."""

@@ -1,4 +1,4 @@
-"""Mapped sheets as parts of a case: spans, supports, droppers, wires, bodies, names, chainage."""
+"""Mapped sheets as parts of a case: spans, supports, droppers, wires, fittings, overlaps."""
 
 from __future__ import annotations
 
@@ -32,6 +32,8 @@ SECTIONS = {
     "wires": ("wires",),
     "bodies": ("bodies",),
     "stays": ("stays",),
+    "tension_lengths": ("tension_lengths",),
+    "overlaps": ("overlaps",),
 }
 """Parts of a case that a kind of table fills."""
 
@@ -321,6 +323,55 @@ def _fittings(
         result.origins[kind, index] = rows.place(index, "position")
 
 
+def _tension_lengths(rows: Rows, result: LineTables) -> None:
+    """Read one tension length per row; an end that is not told is anchored, as in a case."""
+    plan = _plan(result)
+    names, ends = rows.texts("tension_length") or [], {}
+    for side in ("left", "right"):
+        ends[side] = rows.texts(f"{side}_end") or [None] * len(names)
+    masts = {name: rows.texts(name) or [None] * len(names)
+             for name in ("first_mast", "last_mast", "fixed_point")}  # fmt: skip
+    found: list[dict[str, Any]] = []
+    for index, name in enumerate(names):
+        number = {key: _support(rows, index, key, values[index], plan)
+                  for key, values in masts.items()}  # fmt: skip
+        told = {side: words[index] for side, words in ends.items() if words[index] is not None}
+        found.append({"masts": [number["first_mast"], number["last_mast"]]}
+                     | ({} if name is None else {"name": name})
+                     | ({"ends": told} if told else {})
+                     | ({"fixed_point": number["fixed_point"]} if number["fixed_point"] else {})
+                     )  # fmt: skip
+        result.origins["tension_lengths", index] = rows.place(index, "first_mast")
+    result.values["tension_lengths"] = found
+
+
+def _support(rows: Rows, index: int, name: str, text: str | None, plan: LinePlan) -> int | None:
+    """Return the number of a support from its name, or from itself."""
+    if text is None:
+        if name != "fixed_point":
+            rows.complain(index, name, "is empty")
+        return None
+    if plan.masts.count(text) == 1:
+        return plan.masts.index(text) + 1
+    if text.isdecimal():
+        return int(text)
+    rows.complain(index, name, f"got {text!r}; give the name of a mast or the number of a support")
+    return None
+
+
+def _overlaps(rows: Rows, result: LineTables) -> None:
+    columns: dict[str, Sequence[Any]] = {"kind": rows.texts("overlap") or ()}
+    for name in ("separation", "rise", "anchor_rise"):
+        columns[name] = rows.numbers(name) or ()
+    result.values["overlaps"] = [
+        {key: values[index] for key, values in columns.items()
+         if values and values[index] is not None}
+        for index in range(len(rows.indices))
+    ]  # fmt: skip
+    for index in range(len(rows.indices)):
+        result.origins["overlaps", index] = rows.place(index, "rise")
+
+
 _READERS = {
     "values": _values,
     "sources": _sources,
@@ -329,5 +380,7 @@ _READERS = {
     "droppers": _droppers,
     "bodies": _bodies,
     "stays": _stays,
+    "tension_lengths": _tension_lengths,
+    "overlaps": _overlaps,
 }
 """Reader of every kind of table, in the order in which they need each other."""

@@ -45,6 +45,8 @@ NEEDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "sources": (("path",), ("source",), ("confidence",)),
     "bodies": (("body",), ("wire",), ("position",)),
     "stays": (("stay",), ("wire",), ("position",), ("stiffness",)),
+    "tension_lengths": (("tension_length",), ("first_mast",), ("last_mast",)),
+    "overlaps": (("overlap", "separation", "anchor_rise"), ("rise", "separation")),
     RECORDING: (
         ("time", "position", "odometer"),
         ("force", "sensor_force", "acceleration", "height", "stagger", "thickness", "uplift"),
@@ -82,7 +84,7 @@ class SheetMapping:
     ----------
     sheet : Sheet
     kind : str
-        ``supports``, ``droppers``, ``wires``, ``bodies``, ``stays`` or ``recording``.
+        One of :data:`tautwire.tables.columns.KINDS`, or ``recording``.
     heading_row, first_row : int
         Index of the row of headings and of the first row of values.
     uses : tuple of Use

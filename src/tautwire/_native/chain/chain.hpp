@@ -1,8 +1,8 @@
 // Block-tridiagonal solver on lanes: every lane runs through its own piece of the chain.
 //
 // The factor A = L D L' is that of the whole chain. Forward and backward substitution start in all
-// pieces at once, without knowing the neighbour's value; as the influence of that value fades within
-// `reach` nodes, a short extra sweep puts it right. It is kept in single precision: the solution is
+// pieces, and in all parts of them, at once, without knowing the neighbour's value; as the influence
+// of that value fades within `reach` nodes, a short extra sweep puts it right. It is kept in single precision: the solution is
 // corrected until the residual, in double precision, is small.
 #pragma once
 
@@ -23,31 +23,33 @@ public:
 
     bool factor(const Buffer<NodeBlocks>& blocks);
 
-    // Forward sweep: begin_elimination, then begin_run and a call for every row of each run, then
-    // finish_elimination. Outside the runs the right-hand side is zero, and so is the solution.
-    void begin_elimination(const RowSet& set) { set_ = &set; }
-    void begin_run(const Run& run) { first_ = run.first; }
-    TAUTWIRE_INLINE void eliminate(int row, Floats (&rhs)[6]) {
+    // Forward sweep: for every run of a part a call for its first row, which `starts` it, to its last,
+    // then end_run; when all parts are done, finish_elimination for each of them. Outside the runs the
+    // right-hand side is zero, and so is the solution.
+    TAUTWIRE_INLINE void eliminate(int row, bool starts, Floats (&rhs)[6]) {
         Floats* y = &y_[row * 6];
-        if (row != first_) {
-            if (row > 0) {
-                subtract_lower(row, &y_[(row - 1) * 6], rhs);
-            } else {
-                Floats before[6];
-                for (int i = 0; i < 6; ++i) before[i] = to_next_piece(y_[(layout_.rows - 1) * 6 + i]);
-                subtract_lower(row, before, rhs);
-            }
-        }
+        if (!starts) subtract_lower(row, y - 6, rhs);
         for (int i = 0; i < 6; ++i) y[i] = rhs[i];
     }
-
-    // Bring in what the last nodes of the pieces before contribute.
-    void finish_elimination() {
-        if (!set_->whole) return;
+    void end_run(const RowSet& set, int part, const Run& run) {
+        if (run.last() + 1 != set.bounds[part + 1]) return;
+        for (int i = 0; i < 6; ++i) ends_[part][i] = y_[run.last() * 6 + i];
+    }
+    // Whether what a part leaves is felt in the next part only, so that parts can be finished side by
+    // side.
+    bool is_local(const RowSet& set) const {
+        bool is = true;
+        for (int part = 0; part < layout_.parts; ++part)
+            is &= forward_reach_ <= set.bounds[part + 1] - set.bounds[part];
+        return is;
+    }
+    // Bring in what the last rows of the part before contribute.
+    void finish_elimination(const RowSet& set, int part) {
+        int row = set.bounds[part];
+        if (!set.solved[layout_.before(row)]) return;
         Floats carry[6];
-        for (int i = 0; i < 6; ++i) carry[i] = y_[(layout_.rows - 1) * 6 + i];
-        for (int step = 0; step < forward_reach_; ++step) {
-            const int row = step % layout_.rows;
+        for (int i = 0; i < 6; ++i) carry[i] = ends_[part > 0 ? part - 1 : layout_.parts - 1][i];
+        for (int step = 0; step < forward_reach_ && set.solved[row]; ++step, row = layout_.after(row)) {
             if (row == 0)
                 for (Floats& value : carry) value = to_next_piece(value);
             Floats change[6];
@@ -60,36 +62,32 @@ public:
         }
     }
 
-    // Backward sweep: for each run begin_substitution, then a call for the last row to the first, with
-    // cross_back where the run goes round the ends of the pieces.
-    void begin_substitution() {
-        for (Floats& value : x_) value = broadcast<Floats>(0.0);
-        if (!set_->whole) return;
-        for (int step = backward_reach_ - 1; step >= 0; --step) {
-            const int row = step % layout_.rows;
-            substitute(row);
-            if (row == 0) cross_back();
+    // Backward sweep: for each run begin_substitution, then a call for its last row to its first, with
+    // the solution of the row after, which becomes that of the row.
+    void begin_substitution(const RowSet& set, const Run& run, Block& x) const {
+        for (Floats& value : x) value = broadcast<Floats>(0.0);
+        int row = layout_.after(run.last()), ahead = 0;
+        for (; ahead < backward_reach_ && set.solved[row]; ++ahead) row = layout_.after(row);
+        for (; ahead > 0; --ahead) {
+            row = layout_.before(row);
+            substitute(row, x);
+            if (row == 0)
+                for (Floats& value : x) value = to_previous_piece(value);
         }
     }
-    void cross_back() {
-        for (Floats& value : x_) value = to_previous_piece(value);
-    }
-
-    TAUTWIRE_INLINE const Block& substitute(int row) {
+    TAUTWIRE_INLINE void substitute(int row, Block& x) const {
         const Floats* lower = &lower_[(row + 1) * 36];
         Floats out[6];
         scale(row, &y_[row * 6], out);
         TAUTWIRE_UNROLL
         for (int i = 0; i < 6; ++i)
             TAUTWIRE_UNROLL
-            for (int j = 0; j < 6; ++j) out[j] -= lower[i * 6 + j] * x_[i];
-        for (int i = 0; i < 6; ++i) x_[i] = out[i];
-        return x_;
+            for (int j = 0; j < 6; ++j) out[j] -= lower[i * 6 + j] * x[i];
+        for (int i = 0; i < 6; ++i) x[i] = out[i];
     }
 
     // The eliminated right-hand side, as numbers (see Layout::in_floats).
     float* eliminated() { return reinterpret_cast<float*>(y_.data()); }
-    const RowSet& set() const { return *set_; }
 
     // Eliminate a right-hand side on `node` and the next: call visit(node, w, z, d) with w = L^-1 rhs,
     // z = D^-1 w and the diagonal d of D^-1, node by node until visit returns false.
@@ -150,14 +148,13 @@ private:
 
     void store(int node, const NodeFactor& factor);
     int reach(bool forward) const;
+    int reach_from(int row, bool forward) const;
 
     Layout layout_;
     Buffer<Floats> lower_;    // [row][i][j]; the extra row couples to the next piece
     Buffer<Floats> inverse_;  // [row][upper triangle]
     Buffer<Floats> y_;        // [row][i]
-    Floats x_[6];
-    const RowSet* set_ = nullptr;  // of the iteration in progress
-    int first_ = 0;                // row of the run in progress
+    Floats ends_[kMostParts][6];  // y of the last rows of the parts, before anything is carried over
     int forward_reach_ = 0, backward_reach_ = 0;
 };
 
@@ -189,25 +186,36 @@ inline void Chain::store(int node, const NodeFactor& factor) {
     }
 }
 
-// Count the nodes after which a value carried across the boundary of a piece has faded.
+// Count the rows after which a value carried into any part has faded.
 inline int Chain::reach(bool forward) const {
+    int most = 0;
+    for (int part = 0; part < layout_.parts; ++part) {
+        const int rows = reach_from(layout_.bound(part), forward);
+        most = most > rows ? most : rows;
+    }
+    return most;
+}
+
+inline int Chain::reach_from(int row, bool forward) const {
     Floats product[6][6];
     for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) product[i][j] = broadcast<Floats>(i == j ? 1.0 : 0.0);
     const int most = layout_.rows * (kPieces - 1);
-    for (int step = 0; step < most; ++step) {
-        const int row = forward ? step % layout_.rows : layout_.rows - step % layout_.rows;
+    for (int step = 1; step <= most; ++step, row = layout_.after(row)) {
+        const Floats* lower = &lower_[row * 36];
         Floats next[6][6], largest = broadcast<Floats>(0.0);
         for (int i = 0; i < 6; ++i)
             for (int j = 0; j < 6; ++j) {
-                next[i][j] = broadcast<Floats>(0.0);
+                Floats sum = broadcast<Floats>(0.0);
                 for (int l = 0; l < 6; ++l)
-                    next[i][j] += product[l][j] * lower_[(row * 6 + (forward ? i : l)) * 6 +
-                                                         (forward ? l : i)];
-                largest = maximum(largest, absolute(next[i][j]));
+                    sum += forward ? lower[i * 6 + l] * product[l][j] : product[i][l] * lower[j * 6 + l];
+                next[i][j] = sum;
+                largest = maximum(largest, absolute(sum));
             }
-        std::memcpy(product, next, sizeof(next));
-        if (largest_lane(largest) < kFaded) return step + 1;
+        if (largest_lane(largest) < kFaded) return step;
+        for (int i = 0; i < 36; ++i)
+            product[i / 6][i % 6] = row + 1 < layout_.rows ? next[i / 6][i % 6]
+                                                           : to_next_piece(next[i / 6][i % 6]);
     }
     return most;
 }

@@ -31,9 +31,12 @@ public:
     void add_contact(const Chain& chain, int node, const double (&rhs)[2][6], double kappa);
     int contacts() const { return static_cast<int>(couplings_.size()) - line_count_; }
 
-    // Correct an eliminated right-hand side for what acts. `closed` and `compliance` tell of the
-    // contacts: which are closed, and what stands in S in place of 1/kappa, all pairs of them.
-    bool correct(Chain& chain, const bool* closed, const double* compliance);
+    // Correct an eliminated right-hand side y for what acts: Z' y of all parts, then the solution
+    // with S, then y - W s in all parts. `closed` and `compliance` tell of the contacts: which are
+    // closed, and what stands in S in place of 1/kappa, all pairs of them.
+    void project(Chain& chain, const RowSet& set, int part);
+    bool solve(const bool* closed, const double* compliance);
+    void apply(Chain& chain, const RowSet& set, int part) const;
 
 private:
     // Aimed-at contraction of an iteration by what is cut off; the tangent's change alone is worth
@@ -51,8 +54,13 @@ private:
         float w, z;
     };
     struct End {
-        int coupling, node, row, last_node;
+        int coupling, node, last_node;
         int first, last;  // entries, last excluded
+    };
+    // Entries of an end in rows that follow each other, last excluded, and these rows.
+    struct Section {
+        int coupling, first, last;
+        int row, last_row;
     };
     struct Coupling {
         int rank, index, node[2];
@@ -70,6 +78,8 @@ private:
     void add_end(const Chain& chain, int k, int node, const double (&rhs)[2][6]);
     void cut(int k);
     void pair_up(int e, int f);
+    void divide(const End& end);
+    void make_room();
     double response(const End& e, const End& f) const;
     bool acts(const Coupling& coupling, const bool* closed) const {
         switch (coupling.gate) {
@@ -81,10 +91,8 @@ private:
     }
     bool prepare(const bool* closed, const double* compliance);
     void fill(int from, const double* compliance);
-    template <bool kWhole>
-    void apply(const RowSet& set, float* y);
-    template <bool kWhole, class F>
-    void visit(const End& end, const RowSet& set, F work) const;
+    template <class F>
+    void visit(const RowSet& set, int part, F work) const;
 
     static int row_of(const Entry& entry) { return entry.at / (6 * kPieces); }
 
@@ -96,13 +104,15 @@ private:
     List<int> dofs_;       // of the entries
     List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
-    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
+    List<Section> sections_;
+    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0, line_sections_ = 0;
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
     Skyline matrix_;       // S
     List<unsigned char> active_;
     int factored_ = 0;  // rows of S that are up to date
     Buffer<double> small_;
+    Buffer<float> projected_[kMostParts];  // [part][coupling]
 };
 
 inline void Couplings::list(
@@ -156,7 +166,10 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     dofs_.shorten(0);
     pairs_.shorten(0);
     line_count_ = static_cast<int>(couplings_.size());
+    sections_.shorten(0);
     for (int k = 0; k < line_count_; ++k) add_ends(chain, k);
+    for (const End& end : ends_) divide(end);
+    line_sections_ = static_cast<int>(sections_.size());
     line_ends_ = static_cast<int>(ends_.size());
     line_entries_ = static_cast<int>(entries_.size());
 
@@ -186,10 +199,17 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
         matrix_.add_row(first[k]);
         active_.push(1);
     }
+    make_room();
     fill(0, nullptr);
     const bool done = matrix_.factor(0);
     factored_ = done ? line_count_ : 0;
     return done;
+}
+
+// Make room for a number per coupling, before threads use it.
+inline void Couplings::make_room() {
+    small_.grow(couplings_.size());
+    for (Buffer<float>& sums : projected_) sums.grow(couplings_.size());
 }
 
 inline void Couplings::add_ends(const Chain& chain, int k) {
@@ -209,7 +229,7 @@ inline void Couplings::add_ends(const Chain& chain, int k) {
 // Add a column with everything that has not quite faded.
 inline void Couplings::add_end(const Chain& chain, int k, int node, const double (&rhs)[2][6]) {
     const Layout& layout = line_.layout;
-    End end = {k, node, layout.slot(node).row, node, static_cast<int>(entries_.size()), 0};
+    End end = {k, node, node, static_cast<int>(entries_.size()), 0};
     double total = 0.0;
     chain.eliminate_from(node, rhs, [&](int m, const double* w, const double* z, const double* d) {
         const int at = layout.in_floats(m);
@@ -259,6 +279,17 @@ inline void Couplings::cut(int k) {
     sizes_.shorten(0);
 }
 
+// Divide the entries of an end, which lie node after node, where they go on in the next piece.
+inline void Couplings::divide(const End& end) {
+    for (int first = end.first, last = first; first < end.last; first = last) {
+        const int row = row_of(entries_[first]);
+        int last_row = row;
+        for (; last < end.last && row_of(entries_[last]) >= last_row; ++last)
+            last_row = row_of(entries_[last]);
+        sections_.push({end.coupling, first, last, row, last_row});
+    }
+}
+
 inline double Couplings::response(const End& e, const End& f) const {
     double sum = 0.0;
     for (int m = e.first, n = f.first; m < e.last && n < f.last;) {
@@ -292,6 +323,7 @@ inline void Couplings::clear_contacts() {
     entries_.shorten(line_entries_);
     dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
+    sections_.shorten(line_sections_);
     matrix_.shorten(line_count_);
     active_.shorten(line_count_);
 }
@@ -302,6 +334,7 @@ inline void Couplings::add_contact(
     couplings_.push({0, k - line_count_, {node, -1}, Gate::contact, kappa, {}, e, e + 1});
     add_end(chain, k, node, rhs);
     cut(k);
+    divide(ends_[e]);
     int low = 0, high = line_ends_;  // the ends of the line that can reach the contact
     while (low < high) {
         const int middle = (low + high) / 2;
@@ -316,6 +349,7 @@ inline void Couplings::add_contact(
         if (pairs_[n].k == k && pairs_[n].l < first) first = pairs_[n].l;
     matrix_.add_row(first);
     active_.push(0);
+    make_room();
 }
 
 // Fill the rows of S from one on; those of couplings that do not act are decoupled.
@@ -355,48 +389,53 @@ inline bool Couplings::prepare(const bool* closed, const double* compliance) {
     return done;
 }
 
-inline bool Couplings::correct(Chain& chain, const bool* closed, const double* compliance) {
+// Visit the couplings of a part that have entries in solved rows: work(coupling, each), where each(f)
+// calls f for these entries.
+template <class F>
+void Couplings::visit(const RowSet& set, int part, F work) const {
+    const Entry* entries = entries_.begin();
+    for (const Section& section : sections_) {
+        const int here = set.count_solved(part, section.row, section.last_row);
+        if (here == 0) continue;
+        const bool all = here == section.last_row - section.row + 1;
+        work(section.coupling, [&](auto f) {
+            for (int n = section.first; n < section.last; ++n) {
+                const int row = all ? 0 : row_of(entries[n]);
+                if (all || (set.solved[row] && set.is_in(part, row))) f(entries[n]);
+            }
+        });
+    }
+}
+
+inline void Couplings::project(Chain& chain, const RowSet& set, int part) {
+    const float* y = chain.eliminated();
+    float* sums = projected_[part].data();
+    std::memset(sums, 0, couplings_.size() * sizeof(float));
+    visit(set, part, [&](int k, auto each) {
+        float sum = 0.0f;
+        each([&](const Entry& entry) { sum += entry.z * y[entry.at]; });
+        sums[k] += sum;
+    });
+}
+
+inline bool Couplings::solve(const bool* closed, const double* compliance) {
     if (couplings_.size() == 0) return true;
     if (!prepare(closed, compliance)) return false;
-    small_.grow(couplings_.size());
-    if (chain.set().whole) apply<true>(chain.set(), chain.eliminated());
-    else apply<false>(chain.set(), chain.eliminated());
+    for (int k = 0; k < matrix_.size(); ++k) {
+        float sum = 0.0f;
+        for (int part = 0; part < line_.layout.parts; ++part) sum += projected_[part][k];
+        small_[k] = active_[k] ? sum : 0.0f;
+    }
+    matrix_.solve(small_.data());
     return true;
 }
 
-// Do something with each entry of an end that is in a solved row.
-template <bool kWhole, class F>
-void Couplings::visit(const End& end, const RowSet& set, F work) const {
-    const Entry* entries = entries_.begin();
-    int solved = 0, last = end.last_node - end.node;
-    if constexpr (!kWhole)
-        for (int n = 0, row = end.row; n <= last; ++n, row = line_.layout.after(row))
-            solved += set.solved[row];
-    if (kWhole || solved > last) {
-        for (int n = end.first; n < end.last; ++n) work(entries[n]);
-    } else if (solved > 0) {
-        for (int n = end.first; n < end.last; ++n)
-            if (set.solved[row_of(entries[n])]) work(entries[n]);
-    }
-}
-
-template <bool kWhole>
-void Couplings::apply(const RowSet& set, float* y) {
-    const int size = matrix_.size();
-    for (int k = 0; k < size; ++k) {
-        float sum = 0.0f;
-        if (active_[k])
-            for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
-                visit<kWhole>(ends_[e], set, [&](const Entry& entry) { sum += entry.z * y[entry.at]; });
-        small_[k] = sum;
-    }
-    matrix_.solve(small_.data());
-    for (int k = 0; k < size; ++k) {
-        if (!active_[k]) continue;
+inline void Couplings::apply(Chain& chain, const RowSet& set, int part) const {
+    float* y = chain.eliminated();
+    visit(set, part, [&](int k, auto each) {
         const float factor = static_cast<float>(small_[k]);
-        for (int e = couplings_[k].first_end; e < couplings_[k].last_end; ++e)
-            visit<kWhole>(ends_[e], set, [&](const Entry& entry) { y[entry.at] -= factor * entry.w; });
-    }
+        if (factor != 0.0f) each([&](const Entry& entry) { y[entry.at] -= factor * entry.w; });
+    });
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -24,18 +24,20 @@ public:
     // Turn a vector of a node to the orientation of the reference state: it is the present one.
     void turn_back(int, double (&)[3]) const {}
 
-    // It is asked for all rows at once, never for some of them.
-    void begin_elimination(const RowSet&) {}
-    void begin_run(const Run&) {}
-    void pass(int) {}
+    // The calls of a preconditioner. This solver is asked for all rows at once, never for some of
+    // them; it solves between the sweeps, with the contacts that are closed.
+    void pass(int, bool) {}
     void set_rotation(int, const Row&) {}
-    TAUTWIRE_INLINE void eliminate(int row, const Row& r);
-    void finish_elimination() {}
-    // Solve, with the contacts that are closed; see Couplings::correct.
-    bool correct(const bool* closed, const double* compliance);
-    void begin_substitution() {}
-    void cross_back() {}
-    TAUTWIRE_INLINE void substitute(int row, Row& out, Floats& size, Floats& total) const;
+    TAUTWIRE_INLINE void eliminate(int row, bool starts, const Row& r);
+    void end_run(const RowSet&, int, const Run&) {}
+    bool is_local(const RowSet&) const { return true; }
+    void finish_elimination(const RowSet&, int) {}
+    void project(const RowSet&, int) {}
+    bool solve_couplings(const bool* closed, const double* compliance);
+    void apply_couplings(const RowSet&, int) {}
+    struct Local {};
+    void begin_substitution(const RowSet&, const Run&, Local&) const {}
+    TAUTWIRE_INLINE void substitute(int row, Local&, Row& out, Floats& size, Floats& total) const;
 
     double scale = 1.0;  // of the solution
 
@@ -111,7 +113,7 @@ inline void ExactSolver::add_contact(int node, const double (&rhs)[2][6], double
     contacts_.push(contact);
 }
 
-TAUTWIRE_INLINE void ExactSolver::eliminate(int row, const Row& r) {
+TAUTWIRE_INLINE void ExactSolver::eliminate(int row, bool, const Row& r) {
     for (int piece = 0; piece < kPieces; ++piece) {
         const int node = line_.layout.node(row, piece / kLanes, piece % kLanes);
         if (node >= line_.layout.nodes) continue;
@@ -125,7 +127,7 @@ inline double ExactSolver::along(const Contact& contact, const double* x) const 
     return sum;
 }
 
-inline bool ExactSolver::correct(const bool* closed, const double* compliance) {
+inline bool ExactSolver::solve_couplings(const bool* closed, const double* compliance) {
     matrix_.solve(x_.data());
     const int count = contacts();
     if (count == 0) return true;
@@ -152,7 +154,8 @@ inline bool ExactSolver::correct(const bool* closed, const double* compliance) {
     return true;
 }
 
-TAUTWIRE_INLINE void ExactSolver::substitute(int row, Row& out, Floats& size, Floats& total) const {
+TAUTWIRE_INLINE void ExactSolver::substitute(
+    int row, Local&, Row& out, Floats& size, Floats& total) const {
     for (int half = 0; half < 2; ++half)
         for (int i = 0; i < 6; ++i) {
             out[half][i] = broadcast<Doubles>(0.0);

@@ -64,37 +64,46 @@ public:
         rotate<double>(back, turn.scale[p], x);
     }
 
-    void begin_elimination(const RowSet& set) { chain_.begin_elimination(set); }
-    void begin_run(const Run& run) { chain_.begin_run(run); }
-    TAUTWIRE_INLINE void eliminate(int row, const Row& r) {
+    // Forward sweep; see Chain. A row `starts` a run when it is its first.
+    TAUTWIRE_INLINE void eliminate(int row, bool starts, const Row& r) {
         Floats x[6];
         for (int i = 0; i < 6; ++i) x[i] = join(r[0][i], r[1][i]);
         const Rotation& turn = rotation_[row];
         const Floats back[3] = {-turn.w[0], -turn.w[1], -turn.w[2]};
         rotate(back, turn.scale, x);
         rotate(back, turn.scale, x + 3);
-        chain_.eliminate(row, x);
+        chain_.eliminate(row, starts, x);
     }
     // Eliminate a row whose right-hand side is zero.
-    TAUTWIRE_INLINE void pass(int row) {
+    TAUTWIRE_INLINE void pass(int row, bool starts) {
         Floats x[6];
         for (Floats& value : x) value = broadcast<Floats>(0.0);
-        chain_.eliminate(row, x);
+        chain_.eliminate(row, starts, x);
     }
-    void finish_elimination() { chain_.finish_elimination(); }
-
-    // Correct for the couplings that act; see Couplings::correct.
-    bool correct(const bool* closed, const double* compliance) {
-        return couplings_.correct(chain_, closed, compliance);
+    void end_run(const RowSet& set, int part, const Run& run) { chain_.end_run(set, part, run); }
+    // To be called for all parts when all of them are eliminated; side by side if that is local.
+    bool is_local(const RowSet& set) const { return chain_.is_local(set); }
+    void finish_elimination(const RowSet& set, int part) {
+        chain_.finish_elimination(set, part);
     }
+    // Correct for the couplings that act: project all parts, solve, then apply to all parts; see
+    // Couplings.
+    void project(const RowSet& set, int part) { couplings_.project(chain_, set, part); }
+    bool solve_couplings(const bool* closed, const double* compliance) {
+        return couplings_.solve(closed, compliance);
+    }
+    void apply_couplings(const RowSet& set, int part) { couplings_.apply(chain_, set, part); }
 
-    void begin_substitution() { chain_.begin_substitution(); }
-    void cross_back() { chain_.cross_back(); }
-    // Solve for a row, from the last to the first; `size` is the largest |x| of translations lane by
-    // lane, and `total` collects them to find values that are not finite.
-    TAUTWIRE_INLINE void substitute(int row, Row& out, Floats& size, Floats& total) {
+    // Backward sweep; see Chain.
+    using Local = Chain::Block;
+    void begin_substitution(const RowSet& set, const Run& run, Local& local) const {
+        chain_.begin_substitution(set, run, local);
+    }
+    // Solve for a row, from the last of a run to the first; `size` is the largest |x| of translations
+    // lane by lane, and `total` collects them to find values that are not finite.
+    TAUTWIRE_INLINE void substitute(int row, Local& local, Row& out, Floats& size, Floats& total) const {
+        chain_.substitute(row, local);
         Floats x[6];
-        const auto& local = chain_.substitute(row);
         for (int i = 0; i < 6; ++i) x[i] = local[i];
         const Rotation& turn = rotation_[row];
         if (scale != 1.0)

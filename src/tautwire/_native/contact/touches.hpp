@@ -42,9 +42,11 @@ public:
     // Set the contacts of a matrix; kappa of a contact is `factor` times its stiffness.
     template <class P>
     void set_columns(P& matrix, double factor, const Pantograph* const* pantographs) const;
-    // Correct the solution of a matrix for the contacts that are closed; false when that fails.
-    template <class P>
-    bool correct(P& matrix, double factor, const Pantograph* const* pantographs);
+    // Which contacts are closed, and what stands in a matrix in place of their compliance (see
+    // Couplings), set by `close`.
+    void close(double factor, const Pantograph* const* pantographs);
+    const bool* closed() const { return closed_.data(); }
+    const double* compliance() const { return compliance_.data(); }
 
 private:
     static constexpr int kPlaces = 12;  // r and r' of the two nodes of an element
@@ -124,8 +126,7 @@ void TouchList::set_columns(P& matrix, double factor, const Pantograph* const* p
 
 // The gradient of the touched height is taken as the vector of the force; its small component along
 // the track matters in the residual only.
-template <class P>
-bool TouchList::correct(P& matrix, double factor, const Pantograph* const* pantographs) {
+inline void TouchList::close(double factor, const Pantograph* const* pantographs) {
     const int n = count();
     if (closed_.size() < static_cast<std::size_t>(n)) closed_ = Buffer<bool>(2 * n);
     if (compliance_.size() < static_cast<std::size_t>(n * n)) compliance_ = Buffer<double>(4 * n * n);
@@ -135,10 +136,9 @@ bool TouchList::correct(P& matrix, double factor, const Pantograph* const* panto
             double entry = i == j ? 1.0 / touches_[i].stiffness : 0.0;
             if (touches_[i].pantograph == touches_[j].pantograph)
                 entry += pantographs[touches_[i].pantograph]->compliance();
-            compliance_[i * n + j] = entry / (factor * matrix.scale);
+            compliance_[i * n + j] = entry / factor;
         }
     }
-    return matrix.correct(closed_.data(), compliance_.data());
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -1,7 +1,7 @@
 // What joins wires and holds them: ties, clamps, stays and grounds, on any node of any wire.
 //
-// Each kind is a list, evaluated one register at a time: the motion of the nodes is gathered, the
-// forces are added to nodal forces, node by node in the order of the list.
+// Each kind is a list, evaluated one register at a time from the gathered motion of the nodes. The
+// forces are then added to the nodal forces, row by row.
 #pragma once
 
 #include <limits>
@@ -18,14 +18,33 @@ struct MotionView {
     double q_of_v, q_of_a, v_of_a;
 };
 
-// Nodes of a list in registers; the last register repeats the last node.
+// Sort parts of the line by the rows of their nodes; those in one row keep their order.
+template <class T>
+void sort_by_row(const Layout& layout, int T::*node, Buffer<T>& parts) {
+    Buffer<int> place(layout.rows + 1);
+    for (const T& part : parts) ++place[layout.slot(part.*node).row + 1];
+    for (int row = 0; row < layout.rows; ++row) place[row + 1] += place[row];
+    Buffer<T> sorted(parts.size());
+    for (const T& part : parts) sorted[place[layout.slot(part.*node).row]++] = part;
+    parts = std::move(sorted);
+}
+
+// Nodes of a list of parts, which are sorted by row, in registers; the last register repeats the last
+// node.
 class NodeList {
 public:
-    NodeList(const Layout& layout, int count, const std::int64_t* nodes, int stride)
-        : count_(count), at_(static_cast<std::size_t>(count ? registers(count) * kLanes : 0)) {
-        for (std::size_t n = 0; n < at_.size(); ++n) {
-            const int last = static_cast<int>(n) < count ? static_cast<int>(n) : count - 1;
-            at_[n] = layout.in_doubles(static_cast<int>(nodes[last * stride]));
+    template <class T>
+    NodeList(const Layout& layout, const Buffer<T>& parts, int T::*node)
+        : count_(static_cast<int>(parts.size())), at_(static_cast<std::size_t>(registers() * kLanes)),
+          span_(static_cast<std::size_t>(registers())) {
+        for (std::size_t n = 0; n < at_.size(); ++n)
+            at_[n] = layout.in_doubles(parts[n < parts.size() ? n : parts.size() - 1].*node);
+        for (int k = 0; k < registers(); ++k) {
+            Span& span = span_[k] = {row(k, 0), row(k, 0)};
+            for (int lane = 1; lane < kLanes; ++lane) {
+                span.first = span.first < row(k, lane) ? span.first : row(k, lane);
+                span.last = span.last > row(k, lane) ? span.last : row(k, lane);
+            }
         }
     }
 
@@ -34,11 +53,17 @@ public:
     // Entries of a register that are not repeated.
     int filled(int k) const { return count_ - k * kLanes < kLanes ? count_ - k * kLanes : kLanes; }
     const int* at(int k) const { return &at_[k * kLanes]; }
-    bool meets(const RowSet& set, int k) const {
-        if (set.whole) return true;
-        bool any = false;
-        for (int lane = 0; lane < kLanes; ++lane) any |= set.formed[at(k)[lane] / (12 * kLanes)];
-        return any;
+    int row(int k, int lane) const { return at(k)[lane] / (12 * kLanes); }
+    // Whether there are formed rows of a part among those from the first to the last of the nodes of
+    // a register.
+    bool meets(const RowSet& set, int part, int k) const {
+        return set.count_formed(part, span_[k].first, span_[k].last) > 0;
+    }
+    // The first register of a part: those that begin in its rows are its own.
+    int first(const Layout& layout, int part) const {
+        int k = 0;
+        while (k < registers() && row(k, 0) < layout.bound(part)) ++k;
+        return k;
     }
 
     // Gather position (velocity) of the nodes of a register.
@@ -62,7 +87,11 @@ public:
 
 private:
     int count_;
-    Buffer<int> at_;
+    Buffer<int> at_;  // where the first coordinate of a node stands, as a number
+    struct Span {
+        int first, last;
+    };
+    Buffer<Span> span_;  // rows of the registers
 };
 
 // Axial force of bars: stiffness (l - length) + damping dl/dt, as far as their law lets it act.
@@ -70,19 +99,20 @@ struct Bars {
     Buffer<Doubles> length, stiffness, damping, least, most;  // [register]
     Buffer<unsigned char> acting;  // which carried force at the last evaluation; always, if linear
 
-    Bars(int count, const double* length_, const double* stiffness_, const std::int64_t* law,
-         double weight, double damping_per_stiffness)
-        : length(NodeList::registers(count)), stiffness(length.size()), damping(length.size()),
-          least(length.size()), most(length.size()), acting(length.size() * kLanes) {
+    template <class T>
+    Bars(const Buffer<T>& parts, double damping_per_stiffness)
+        : length(NodeList::registers(static_cast<int>(parts.size()))), stiffness(length.size()),
+          damping(length.size()), least(length.size()), most(length.size()),
+          acting(length.size() * kLanes) {
         for (Doubles& x : length) x = broadcast<Doubles>(1.0);
-        for (int n = 0; n < count; ++n) {
-            const int k = n / kLanes, lane = n % kLanes;
-            const Law kind = static_cast<Law>(law[n]);
-            length[k][lane] = length_[n];
-            stiffness[k][lane] = weight * stiffness_[n];
-            damping[k][lane] = damping_per_stiffness * stiffness[k][lane];
-            least[k][lane] = kind == Law::tension_only ? 0.0 : -kInfinity;
-            most[k][lane] = kind == Law::compression_only ? 0.0 : kInfinity;
+        for (std::size_t n = 0; n < parts.size(); ++n) {
+            const std::size_t k = n / kLanes, lane = n % kLanes;
+            const T& part = parts[n];
+            length[k][lane] = part.length;
+            stiffness[k][lane] = part.stiffness;
+            damping[k][lane] = damping_per_stiffness * part.stiffness;
+            least[k][lane] = part.law == Law::tension_only ? 0.0 : -kInfinity;
+            most[k][lane] = part.law == Law::compression_only ? 0.0 : kInfinity;
         }
     }
 
@@ -118,27 +148,27 @@ class Attachments {
 public:
     Attachments(const LineData& data, const Line& line);
 
-    // Add the forces to those on the nodes, of everything that has an end in the formed
-    // rows; release takes them away again, exactly.
-    void push(const MotionView& view, Buffer<Row>& force, const RowSet& set);
-    void release(Buffer<Row>& force);
+    // Add the forces of everything that has an end in the formed rows of a part to those on their
+    // nodes; release takes them away again, exactly.
+    void push(const MotionView& view, Buffer<Row>& force, const RowSet& set, int part);
+    void release(Buffer<Row>& force, const RowSet& set, int part);
 
-    // Axial forces of the ties.
-    void tie_forces(const MotionView& view, double* out) const;
+    // Axial forces of the ties of a part.
+    void tie_forces(const MotionView& view, double* out, int part) const;
 
     // Which ties and stays carried force at the last push (1 or 0); the linear ones always.
     const Buffer<unsigned char>& acting_ties() const { return ties_.acting; }
     const Buffer<unsigned char>& acting_stays() const { return stays_.acting; }
 
-    // What matrices need.
+    // The parts, by rows; what matrices need, and the number of a tie in the data.
     struct Tie {
-        int upper, lower;
+        int upper, lower, number;
         double length, stiffness;
         Law law;
     };
     struct Clamp {
         int host, other;
-        double stiffness;
+        double stiffness, offset[3];
     };
     struct Stay {
         int node;
@@ -152,23 +182,27 @@ public:
     Buffer<Tie> ties;
     Buffer<Clamp> clamps;
     Buffer<Stay> stays;
-    Buffer<Ground> grounds;  // those of the line, then the damping of the stays
+    Buffer<Ground> grounds;  // those of the line and the damping of the stays
 
 private:
-    static Buffer<Tie> ties_of(const LineData& data, double weight);
-    static Buffer<Clamp> clamps_of(const LineData& data, double weight);
-    static Buffer<Stay> stays_of(const LineData& data, double weight);
-    static Buffer<Ground> grounds_of(const LineData& data, const Buffer<Stay>& stays, double weight);
-    template <class T>
-    static Buffer<std::int64_t> nodes_of(const Buffer<T>& parts);
+    static Buffer<Tie> ties_of(const LineData& data, const Line& line);
+    static Buffer<Clamp> clamps_of(const LineData& data, const Line& line);
+    static Buffer<Stay> stays_of(const LineData& data, const Line& line);
+    static Buffer<Ground> grounds_of(const LineData& data, const Buffer<Stay>& stays, const Line& line);
     void pack();
 
-    TAUTWIRE_INLINE void add(const NodeList& nodes, int k, const Doubles (&f)[3], double sign);
-    void push_ties(const MotionView& view, const RowSet& set);
-    void push_clamps(const MotionView& view, const RowSet& set);
-    void push_stays(const MotionView& view, const RowSet& set);
-    void push_grounds(const MotionView& view, const RowSet& set);
+    static constexpr int kKinds = 4;  // ties, clamps, stays, grounds
 
+    // Whether a register has an end in the formed rows of a part.
+    bool meets(const RowSet& set, int part, int kind, int k) const {
+        const NodeList* ends[kKinds][2] = {
+            {&lower_, &upper_}, {&host_, &other_}, {&stayed_, nullptr}, {&grounded_, nullptr}};
+        return ends[kind][0]->meets(set, part, k) ||
+               (ends[kind][1] && ends[kind][1]->meets(set, part, k));
+    }
+    TAUTWIRE_INLINE void evaluate(
+        const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]);
+    void list_effects();
     const Layout& layout_;
     double weight_;
     NodeList upper_, lower_, host_, other_, stayed_, grounded_;
@@ -176,53 +210,63 @@ private:
     // [register][component]
     Buffer<Doubles> clamp_stiffness_, clamp_offset_, stay_end_, ground_stiffness_, ground_damping_,
         ground_free_;
-    // Forces as they were, in the order in which they were changed.
-    struct Kept {
-        int at;
-        double force;
+    int registers_[kKinds] = {};     // how many
+    int first_tie_[kMostParts + 1];  // first register of ties of a part, and the one behind the last
+    // What a force does to a node: which one, as a number of found_, with which sign; where in an
+    // array of rows its first component acts, as a number, and what stood there.
+    struct Effect {
+        int from, at, row;
+        double sign, before[3];
     };
-    Buffer<Kept> kept_;
-    int kept_count_ = 0;
-    double* force_ = nullptr;
+    Buffer<Effect> effects_;  // row by row
+    Buffer<int> first_effect_;  // [row], and behind the last
+    // [part][register][component], kind after kind: a part finds what it needs.
+    Buffer<Doubles> found_[kMostParts];
 };
 
-inline Buffer<Attachments::Tie> Attachments::ties_of(const LineData& data, double weight) {
+inline Buffer<Attachments::Tie> Attachments::ties_of(const LineData& data, const Line& line) {
     Buffer<Tie> out(data.ties);
     for (int n = 0; n < data.ties; ++n)
         out[n] = {static_cast<int>(data.tie_nodes[2 * n]), static_cast<int>(data.tie_nodes[2 * n + 1]),
-                  data.tie_length[n], weight * data.tie_stiffness[n],
+                  n, data.tie_length[n], line.weight * data.tie_stiffness[n],
                   static_cast<Law>(data.tie_law[n])};
+    sort_by_row(line.layout, &Tie::lower, out);
     return out;
 }
 
-inline Buffer<Attachments::Clamp> Attachments::clamps_of(const LineData& data, double weight) {
+inline Buffer<Attachments::Clamp> Attachments::clamps_of(const LineData& data, const Line& line) {
     Buffer<Clamp> out(data.clamps);
-    for (int n = 0; n < data.clamps; ++n)
+    for (int n = 0; n < data.clamps; ++n) {
+        const double* offset = data.clamp_offset + 3 * n;
         out[n] = {static_cast<int>(data.clamp_nodes[2 * n]),
-                  static_cast<int>(data.clamp_nodes[2 * n + 1]), weight * data.clamp_stiffness[n]};
+                  static_cast<int>(data.clamp_nodes[2 * n + 1]), line.weight * data.clamp_stiffness[n],
+                  {offset[0], offset[1], offset[2]}};
+    }
+    sort_by_row(line.layout, &Clamp::host, out);
     return out;
 }
 
-inline Buffer<Attachments::Stay> Attachments::stays_of(const LineData& data, double weight) {
+inline Buffer<Attachments::Stay> Attachments::stays_of(const LineData& data, const Line& line) {
     Buffer<Stay> out(data.stays);
     for (int n = 0; n < data.stays; ++n) {
         const double* end = data.stay_end + 3 * n;
         out[n] = {static_cast<int>(data.stay_node[n]), {end[0], end[1], end[2]}, data.stay_length[n],
-                  weight * data.stay_stiffness[n], static_cast<Law>(data.stay_law[n])};
+                  line.weight * data.stay_stiffness[n], static_cast<Law>(data.stay_law[n])};
     }
+    sort_by_row(line.layout, &Stay::node, out);
     return out;
 }
 
 inline Buffer<Attachments::Ground> Attachments::grounds_of(
-    const LineData& data, const Buffer<Stay>& stays, double weight) {
+    const LineData& data, const Buffer<Stay>& stays, const Line& line) {
     Buffer<Ground> out(data.grounds + data.stays);
     for (int n = 0; n < data.grounds; ++n) {
         out[n].node = static_cast<int>(data.ground_node[n]);
         for (int i = 0; i < 3; ++i) {
             out[n].free[i] = data.ground_free[3 * n + i];
             for (int j = 0; j < 3; ++j) {
-                out[n].stiffness[i][j] = weight * data.ground_stiffness[9 * n + 3 * i + j];
-                out[n].damping[i][j] = weight * data.ground_damping[9 * n + 3 * i + j];
+                out[n].stiffness[i][j] = line.weight * data.ground_stiffness[9 * n + 3 * i + j];
+                out[n].damping[i][j] = line.weight * data.ground_damping[9 * n + 3 * i + j];
             }
         }
     }
@@ -238,49 +282,79 @@ inline Buffer<Attachments::Ground> Attachments::grounds_of(
         if (!acts(stay.law, std::sqrt(square) - stay.length)) continue;
         bar_stiffness(w, data.damping_stiffness * stay.stiffness, stay.length, ground.damping);
     }
-    return out;
-}
-
-template <class T>
-Buffer<std::int64_t> Attachments::nodes_of(const Buffer<T>& parts) {
-    Buffer<std::int64_t> out(parts.size());
-    for (std::size_t n = 0; n < parts.size(); ++n) out[n] = parts[n].node;
+    sort_by_row(line.layout, &Ground::node, out);
     return out;
 }
 
 inline Attachments::Attachments(const LineData& data, const Line& line)
-    : ties(ties_of(data, line.weight)),
-      clamps(clamps_of(data, line.weight)),
-      stays(stays_of(data, line.weight)),
-      grounds(grounds_of(data, stays, line.weight)),
+    : ties(ties_of(data, line)),
+      clamps(clamps_of(data, line)),
+      stays(stays_of(data, line)),
+      grounds(grounds_of(data, stays, line)),
       layout_(line.layout),
       weight_(line.weight),
-      upper_(layout_, data.ties, data.tie_nodes, 2),
-      lower_(layout_, data.ties, data.tie_nodes + 1, 2),
-      host_(layout_, data.clamps, data.clamp_nodes, 2),
-      other_(layout_, data.clamps, data.clamp_nodes + 1, 2),
-      stayed_(layout_, data.stays, nodes_of(stays).data(), 1),
-      grounded_(layout_, static_cast<int>(grounds.size()), nodes_of(grounds).data(), 1),
-      ties_(data.ties, data.tie_length, data.tie_stiffness, data.tie_law, line.weight,
-            data.damping_stiffness),
-      stays_(data.stays, data.stay_length, data.stay_stiffness, data.stay_law, line.weight, 0.0),
+      upper_(layout_, ties, &Tie::upper),
+      lower_(layout_, ties, &Tie::lower),
+      host_(layout_, clamps, &Clamp::host),
+      other_(layout_, clamps, &Clamp::other),
+      stayed_(layout_, stays, &Stay::node),
+      grounded_(layout_, grounds, &Ground::node),
+      ties_(ties, data.damping_stiffness),
+      stays_(stays, 0.0),
       clamp_stiffness_(host_.registers()),
       clamp_offset_(3 * host_.registers()),
       stay_end_(3 * stayed_.registers()),
       ground_stiffness_(9 * grounded_.registers()),
       ground_damping_(9 * grounded_.registers()),
-      ground_free_(3 * grounded_.registers()),
-      kept_(6 * (ties.size() + clamps.size()) + 3 * (stays.size() + grounds.size())) {
-    for (int n = 0; n < data.clamps; ++n) {
-        clamp_stiffness_[n / kLanes][n % kLanes] = clamps[n].stiffness;
-        for (int i = 0; i < 3; ++i)
-            clamp_offset_[n / kLanes * 3 + i][n % kLanes] = data.clamp_offset[3 * n + i];
-    }
+      ground_free_(3 * grounded_.registers()) {
     pack();
+    list_effects();
 }
 
-// Copy stays and grounds to registers.
+// List what every force does, in the order of the rows; on one node, in the order of the kinds.
+inline void Attachments::list_effects() {
+    struct Side {
+        const NodeList& nodes;
+        std::size_t count;
+        int kind;
+        double sign;
+    };
+    const Side sides[] = {{lower_, ties.size(), 0, 1.0},    {upper_, ties.size(), 0, -1.0},
+                          {host_, clamps.size(), 1, 1.0},   {other_, clamps.size(), 1, -1.0},
+                          {stayed_, stays.size(), 2, -1.0}, {grounded_, grounds.size(), 3, -1.0}};
+    int begin[kKinds], count = 0;
+    const NodeList* kinds[kKinds] = {&lower_, &host_, &stayed_, &grounded_};
+    for (int kind = 0; kind < kKinds; count += registers_[kind++]) {
+        begin[kind] = count;
+        registers_[kind] = kinds[kind]->registers();
+    }
+    for (Buffer<Doubles>& found : found_) found = Buffer<Doubles>(3 * static_cast<std::size_t>(count));
+    for (int part = 0; part <= layout_.parts; ++part) first_tie_[part] = lower_.first(layout_, part);
+
+    List<Effect> effects;
+    Buffer<int> place(layout_.rows + 1);
+    for (const Side& side : sides)
+        for (std::size_t n = 0; n < side.count; ++n) {
+            const int k = static_cast<int>(n) / kLanes, lane = static_cast<int>(n) % kLanes;
+            const int row = side.nodes.row(k, lane);
+            effects.push({3 * (begin[side.kind] + k) * kLanes + lane, side.nodes.at(k)[lane], row,
+                          side.sign, {}});
+            ++place[row + 1];
+        }
+    for (int row = 0; row < layout_.rows; ++row) place[row + 1] += place[row];
+    first_effect_ = Buffer<int>(place.size());
+    first_effect_.copy_from(place);
+    effects_ = Buffer<Effect>(effects.size());
+    for (const Effect& effect : effects) effects_[place[effect.row]++] = effect;
+}
+
+// Copy clamps, stays and grounds to registers.
 inline void Attachments::pack() {
+    for (std::size_t n = 0; n < clamps.size(); ++n) {
+        clamp_stiffness_[n / kLanes][n % kLanes] = clamps[n].stiffness;
+        for (int i = 0; i < 3; ++i)
+            clamp_offset_[n / kLanes * 3 + i][n % kLanes] = clamps[n].offset[i];
+    }
     for (std::size_t n = 0; n < stays.size(); ++n)
         for (int i = 0; i < 3; ++i) stay_end_[n / kLanes * 3 + i][n % kLanes] = stays[n].end[i];
     for (std::size_t n = 0; n < grounds.size(); ++n) {
@@ -295,96 +369,84 @@ inline void Attachments::pack() {
     }
 }
 
-TAUTWIRE_INLINE void Attachments::add(const NodeList& nodes, int k, const Doubles (&f)[3], double sign) {
-    const int* at = nodes.at(k);
-    const int filled = nodes.filled(k);
-    for (int lane = 0; lane < filled; ++lane)
+// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one); which
+// bars act is noted if that is asked for.
+TAUTWIRE_INLINE void Attachments::evaluate(
+    const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]) {
+    Doubles q[3], v[3];
+    if (kind < 2) {
+        Doubles rate[3];
+        const NodeList &from = kind == 0 ? upper_ : other_, &to = kind == 0 ? lower_ : host_;
+        from.move(view, k, out, rate);
+        to.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) {
-            const int place = at[lane] + i * kLanes;
-            kept_[kept_count_++] = {place, force_[place]};
-            force_[place] += sign * f[i][lane];
-        }
-}
-
-inline void Attachments::push_ties(const MotionView& view, const RowSet& set) {
-    for (int k = 0; k < upper_.registers(); ++k) {
-        if (!upper_.meets(set, k) && !lower_.meets(set, k)) continue;
-        Doubles t[3], rate[3], q[3], v[3];
-        upper_.move(view, k, t, rate);
-        lower_.move(view, k, q, v);
-        for (int i = 0; i < 3; ++i) {
-            t[i] -= q[i];
+            out[i] -= q[i];
             rate[i] -= v[i];
         }
-        const Doubles tension = ties_.tension(k, t, rate);
-        ties_.note(k, tension);
-        for (Doubles& component : t) component *= tension;
-        add(lower_, k, t, 1.0);
-        add(upper_, k, t, -1.0);
-    }
-}
-
-inline void Attachments::push_clamps(const MotionView& view, const RowSet& set) {
-    for (int k = 0; k < host_.registers(); ++k) {
-        if (!host_.meets(set, k) && !other_.meets(set, k)) continue;
-        Doubles f[3], q[3], unused[3];
-        other_.move(view, k, f, unused);
-        host_.move(view, k, q, unused);
-        for (int i = 0; i < 3; ++i)
-            f[i] = clamp_stiffness_[k] * (f[i] - q[i] - clamp_offset_[3 * k + i]);
-        add(host_, k, f, 1.0);
-        add(other_, k, f, -1.0);
-    }
-}
-
-inline void Attachments::push_stays(const MotionView& view, const RowSet& set) {
-    for (int k = 0; k < stayed_.registers(); ++k) {
-        if (!stayed_.meets(set, k)) continue;
-        Doubles t[3], rate[3];
-        stayed_.move(view, k, t, rate);
-        for (int i = 0; i < 3; ++i) t[i] -= stay_end_[3 * k + i];
-        const Doubles tension = stays_.tension(k, t, rate);
-        stays_.note(k, tension);
-        for (Doubles& component : t) component *= tension;
-        add(stayed_, k, t, -1.0);
-    }
-}
-
-inline void Attachments::push_grounds(const MotionView& view, const RowSet& set) {
-    for (int k = 0; k < grounded_.registers(); ++k) {
-        if (!grounded_.meets(set, k)) continue;
-        Doubles q[3], v[3], f[3];
+        if (kind == 1) {
+            for (int i = 0; i < 3; ++i)
+                out[i] = clamp_stiffness_[k] * (out[i] - clamp_offset_[3 * k + i]);
+            return;
+        }
+        const Doubles tension = ties_.tension(k, out, rate);
+        if (notes) ties_.note(k, tension);
+        for (Doubles& component : out) component *= tension;
+    } else if (kind == 2) {
+        stayed_.move(view, k, out, v);
+        for (int i = 0; i < 3; ++i) out[i] -= stay_end_[3 * k + i];
+        const Doubles tension = stays_.tension(k, out, v);
+        if (notes) stays_.note(k, tension);
+        for (Doubles& component : out) component *= tension;
+    } else {
         grounded_.move(view, k, q, v);
         for (int i = 0; i < 3; ++i) q[i] -= ground_free_[3 * k + i];
         for (int i = 0; i < 3; ++i) {
             const Doubles* stiffness = &ground_stiffness_[9 * k + 3 * i];
             const Doubles* damping = &ground_damping_[9 * k + 3 * i];
-            f[i] = stiffness[0] * q[0] + stiffness[1] * q[1] + stiffness[2] * q[2] +
-                   damping[0] * v[0] + damping[1] * v[1] + damping[2] * v[2];
+            out[i] = stiffness[0] * q[0] + stiffness[1] * q[1] + stiffness[2] * q[2] +
+                     damping[0] * v[0] + damping[1] * v[1] + damping[2] * v[2];
         }
-        add(grounded_, k, f, -1.0);
     }
 }
 
-inline void Attachments::push(const MotionView& view, Buffer<Row>& force, const RowSet& set) {
-    force_ = reinterpret_cast<double*>(force.data());
-    kept_count_ = 0;
-    push_ties(view, set);
-    push_clamps(view, set);
-    push_stays(view, set);
-    push_grounds(view, set);
-}
-
-inline void Attachments::release(Buffer<Row>& force) {
+inline void Attachments::push(
+    const MotionView& view, Buffer<Row>& force, const RowSet& set, int part) {
+    Doubles* next = found_[part].data();
+    for (int kind = 0; kind < kKinds; ++kind)
+        for (int k = 0; k < registers_[kind]; ++k, next += 3) {
+            if (!meets(set, part, kind, k)) continue;
+            bool notes = true;  // one part does
+            for (int before = 0; before < part; ++before) notes &= !meets(set, before, kind, k);
+            Doubles f[3];
+            evaluate(view, kind, k, notes, f);
+            for (int i = 0; i < 3; ++i) next[i] = f[i];
+        }
     auto* out = reinterpret_cast<double*>(force.data());
-    while (kept_count_ > 0) {
-        const Kept& kept = kept_[--kept_count_];
-        out[kept.at] = kept.force;
+    const auto* found = reinterpret_cast<const double*>(found_[part].data());
+    const int last = first_effect_[set.bounds[part + 1]];
+    for (int n = first_effect_[set.bounds[part]]; n < last; ++n) {
+        Effect& effect = effects_[n];
+        if (!set.formed[effect.row]) continue;
+        for (int i = 0; i < 3; ++i) {
+            double& place = out[effect.at + i * kLanes];
+            effect.before[i] = place;
+            place += effect.sign * found[effect.from + i * kLanes];
+        }
     }
 }
 
-inline void Attachments::tie_forces(const MotionView& view, double* out) const {
-    for (int k = 0; k < upper_.registers(); ++k) {
+inline void Attachments::release(Buffer<Row>& force, const RowSet& set, int part) {
+    auto* out = reinterpret_cast<double*>(force.data());
+    const int first = first_effect_[set.bounds[part]];
+    for (int n = first_effect_[set.bounds[part + 1]]; n-- > first;) {
+        const Effect& effect = effects_[n];
+        if (!set.formed[effect.row]) continue;
+        for (int i = 0; i < 3; ++i) out[effect.at + i * kLanes] = effect.before[i];
+    }
+}
+
+inline void Attachments::tie_forces(const MotionView& view, double* out, int part) const {
+    for (int k = first_tie_[part]; k < first_tie_[part + 1]; ++k) {
         Doubles t[3], rate[3], q[3], v[3];
         upper_.move(view, k, t, rate);
         lower_.move(view, k, q, v);
@@ -394,7 +456,7 @@ inline void Attachments::tie_forces(const MotionView& view, double* out) const {
         }
         const Doubles force = square_root(dot(t, t)) * ties_.tension(k, t, rate);
         for (int lane = 0; lane < upper_.filled(k); ++lane)
-            out[k * kLanes + lane] = force[lane] / weight_;
+            out[ties[k * kLanes + lane].number] = force[lane] / weight_;
     }
 }
 

@@ -20,22 +20,10 @@ namespace tautwire::TAUTWIRE_ISA {
 inline constexpr double kPoint[3] = {0.0, 0.53846931010568309, 0.90617984593866399};
 inline constexpr double kWeight[3] = {0.28444444444444444, 0.23931433524968324, 0.11846344252809454};
 
-// Stiffness times the quadrature weights of the middle and of both pairs.
 template <class V>
 struct Stiffness {
-    V half_axial[3];  // EA / 2
-    V bending[3];     // 4 EI / L^2
-
-    static Stiffness of(V axial, V quadruple_bending_per_square) {
-        Stiffness out;
-        for (int point = 0; point < 3; ++point) out.half_axial[point] = 0.5 * kWeight[point] * axial;
-        out.set_bending(quadruple_bending_per_square);
-        return out;
-    }
-    void set_bending(V quadruple_bending_per_square) {
-        for (int point = 0; point < 3; ++point)
-            bending[point] = kWeight[point] * quadruple_bending_per_square;
-    }
+    V half_axial;  // EA / 2
+    V bending;     // 4 EI / L^2
 };
 
 // Consistent mass of an element of mass m and length L, for parts of the motion that are even and
@@ -84,38 +72,50 @@ struct Gradient {
     V A, B, C;
 };
 
-// A, B and C at a point, with the quadrature weight of `point`; H2 is 2 H.
+// Bending part of A, B and C at a point; H2 is 2 H, inverse 1/P.
 template <class V>
-TAUTWIRE_INLINE Gradient<V> energy_gradient(
-    V P, V H2, V Q, const Stiffness<V>& stiffness, int point) {
-    const V inverse = 1.0 / P, R = Q * inverse;
-    const V C = stiffness.bending[point] * (inverse * inverse);
-    const V axial = stiffness.half_axial[point] * P - stiffness.half_axial[point];
-    return {axial - (C * inverse) * (H2 - 3.0 * (Q * R)), -R * C, C};
+TAUTWIRE_INLINE Gradient<V> bending_gradient(V inverse, V H2, V Q, V bending) {
+    const V R = Q * inverse, C = bending * (inverse * inverse);
+    return {-(C * inverse) * (H2 - 3.0 * (Q * R)), -R * C, C};
 }
 
 // Forces of the elastic energy per length on the coefficients of the parabola.
 //
-// They are combinations of the coefficients themselves, with factors M summed over the points, and
-// P, H and Q are polynomials. Points at t and -t share even and odd parts of everything.
+// They are combinations of the coefficients themselves, with factors M: averages over the element of
+// A t^0 to A t^4, and of the like for B and C. P, H and Q are polynomials. Of the axial part, EA/2 (P - 1),
+// the averages follow from those of powers of t, exactly as the rule has them; the bending part is
+// summed over the points. Points at t and -t share even and odd parts of everything.
 template <class V>
 TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, const Stiffness<V>& stiffness) {
     const V P0 = dot(e.c[0], e.c[0]), P1 = 2.0 * dot(e.c[0], e.c[1]);
     const V H0 = dot(e.c[1], e.c[1]), P2 = H0 + 2.0 * dot(e.c[0], e.c[2]);
     const V P3 = 2.0 * dot(e.c[1], e.c[2]), P4 = dot(e.c[2], e.c[2]);
-    const Gradient<V> middle = energy_gradient(P0, H0 + H0, 0.5 * P1, stiffness, 0);
-    V M00 = middle.A, M01 = middle.B, C0 = middle.C;
-    V M02 = broadcast<V>(0.0), M12 = M02, M22 = M02;
+
+    const V half = stiffness.half_axial;
+    const V n0 = half * P0 - half, n1 = half * P1, n2 = half * P2, n3 = half * P3, n4 = half * P4;
+    V M00 = n0 + (1.0 / 3.0) * n2 + (1.0 / 5.0) * n4;
+    V M01 = (1.0 / 3.0) * n1 + (1.0 / 5.0) * n3;
+    V M02 = (1.0 / 3.0) * n0 + (1.0 / 5.0) * n2 + (1.0 / 7.0) * n4;
+    V M12 = (1.0 / 5.0) * n1 + (1.0 / 7.0) * n3;
+    V M22 = (1.0 / 5.0) * n0 + (1.0 / 7.0) * n2 + (1.0 / 9.0) * n4;
+
+    const Gradient<V> middle =
+        bending_gradient(1.0 / P0, H0 + H0, 0.5 * P1, kWeight[0] * stiffness.bending);
+    M00 += middle.A;
+    M01 += middle.B;
+    V C0 = middle.C;
     TAUTWIRE_UNROLL
     for (int pair = 1; pair < 3; ++pair) {
         const double t = kPoint[pair], t2 = t * t;
         const V P_even = P0 + t2 * (P2 + t2 * P4), P_odd = t * (P1 + t2 * P3);
         const V H2_even = 2.0 * H0 + (8.0 * t2) * P4, H2_odd = (4.0 * t) * P3;
         const V Q_even = 0.5 * P1 + (1.5 * t2) * P3, Q_odd = t * (P2 + (2.0 * t2) * P4);
+        const V P_right = P_even + P_odd, P_left = P_even - P_odd;
+        const V both = 1.0 / (P_right * P_left), bending = kWeight[pair] * stiffness.bending;
         const Gradient<V> right =
-            energy_gradient(P_even + P_odd, H2_even + H2_odd, Q_even + Q_odd, stiffness, pair);
+            bending_gradient(both * P_left, H2_even + H2_odd, Q_even + Q_odd, bending);
         const Gradient<V> left =
-            energy_gradient(P_even - P_odd, H2_even - H2_odd, Q_even - Q_odd, stiffness, pair);
+            bending_gradient(both * P_right, H2_even - H2_odd, Q_even - Q_odd, bending);
         const Gradient<V> even = {right.A + left.A, right.B + left.B, right.C + left.C};
         const Gradient<V> odd = {right.A - left.A, right.B - left.B, right.C - left.C};
         M00 += even.A;
@@ -125,11 +125,12 @@ TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, const Stiffness<
         M22 += (t2 * t2) * even.A + (4.0 * t2 * t) * odd.B + (4.0 * t2) * even.C;
         C0 += even.C;
     }
+    const V M11 = M02 + C0;
     Parabola<V> f;
     TAUTWIRE_UNROLL
     for (int i = 0; i < 3; ++i) {
         f.c[0][i] = M00 * e.c[0][i] + M01 * e.c[1][i] + M02 * e.c[2][i];
-        f.c[1][i] = M01 * e.c[0][i] + (M02 + C0) * e.c[1][i] + M12 * e.c[2][i];
+        f.c[1][i] = M01 * e.c[0][i] + M11 * e.c[1][i] + M12 * e.c[2][i];
         f.c[2][i] = M02 * e.c[0][i] + M12 * e.c[1][i] + M22 * e.c[2][i];
     }
     return f;
@@ -186,7 +187,7 @@ void elastic_tangent(const Parabola<V>& e, const Stiffness<V>& stiffness, V (&ou
             h[i] = e.c[1][i] + 2.0 * t * e.c[2][i];
         }
         const Hessian<V> second =
-            energy_hessian(p, h, stiffness.half_axial[pair], stiffness.bending[pair]);
+            energy_hessian(p, h, kWeight[pair] * stiffness.half_axial, kWeight[pair] * stiffness.bending);
         for (int row = 0; row < 9; ++row)
             for (int column = row; column < 9; ++column) {
                 const int m = row / 3, i = row % 3, n = column / 3, j = column % 3;

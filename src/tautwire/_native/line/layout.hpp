@@ -4,8 +4,12 @@
 // pieces as a vector of floats has lanes: row k holds the k-th node of every piece. In double
 // precision a row is two vectors, the halves of the pieces. Wires may be cut anywhere; where one
 // ends, an element without stiffness and mass follows.
+//
+// Rows are divided into parts, which threads can work on side by side. The division depends on the
+// line and on what an iteration works on, so that results do not depend on the threads.
 #pragma once
 
+#include "engine.hpp"
 #include "simd/simd.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
@@ -22,9 +26,13 @@ struct Slot {
 using Row = Doubles[2][6];
 
 struct Layout {
-    int nodes = 0, rows = 0;
+    int nodes = 0, rows = 0, parts = 1;
 
-    explicit Layout(int nodes_) : nodes(nodes_), rows((nodes_ + kPieces - 1) / kPieces) {}
+    explicit Layout(int nodes_)
+        : nodes(nodes_), rows((nodes_ + kPieces - 1) / kPieces), parts(rows < kDivided ? 1 : kMostParts) {}
+
+    // The first row of a part of all rows; of the one behind the last, the number of rows.
+    int bound(int part) const { return part * rows / parts; }
 
     Slot slot(int node) const {
         const int piece = node / rows;
@@ -46,26 +54,79 @@ struct Layout {
         const Slot s = slot(node);
         return s.row * 6 * kPieces + s.piece();
     }
+
+private:
+    // Fewer rows are not divided: each part forms one row twice and solves some twice.
+    static constexpr int kDivided = 64;
 };
 
-// Rows from one on, round the ends of the pieces: behind the last row comes the first, in which every
-// piece goes on where the piece before it ends.
+// Rows of one part that follow each other.
 struct Run {
     int first, count;
+
+    int last() const { return first + count - 1; }
 };
 
 // The rows that an iteration works on: where the residual is formed (elsewhere it is taken to be
-// zero), and where the correction is solved for, as flags and as runs.
+// zero), and where the correction is solved for, as flags and as runs. Behind the last row comes the
+// first, in which every piece goes on where the piece before it ends.
 struct RowSet {
-    explicit RowSet(const Layout& layout) : formed(layout.rows), solved(layout.rows) {
+    explicit RowSet(const Layout& layout)
+        : formed(layout.rows), solved(layout.rows), formed_before_(layout.rows + 1),
+          solved_before_(layout.rows + 1) {
         std::memset(formed.data(), 1, formed.size());
         std::memset(solved.data(), 1, solved.size());
-        runs.push({0, layout.rows});
+        divide(layout);
     }
 
     bool whole = true;
     Buffer<unsigned char> formed, solved;  // [row]
-    List<Run> runs;
+    int bounds[kMostParts + 1];            // first rows of the parts, and the row behind the last
+    List<Run> runs[kMostParts];            // [part]
+
+    bool is_in(int part, int row) const { return bounds[part] <= row && row < bounds[part + 1]; }
+    // How many rows of a part are formed (solved for), from one on up to another.
+    int count_formed(int part, int first, int last) const {
+        return count(formed_before_, part, first, last);
+    }
+    int count_solved(int part, int first, int last) const {
+        return count(solved_before_, part, first, last);
+    }
+    int formed_rows() const { return formed_before_[formed.size()]; }
+    int solved_rows() const { return solved_before_[solved.size()]; }
+    // Divide the rows into parts with about as much work each, and set their runs.
+    void divide(const Layout& layout) {
+        for (int row = 0; row < layout.rows; ++row) {
+            formed_before_[row + 1] = formed_before_[row] + formed[row];
+            solved_before_[row + 1] = solved_before_[row] + solved[row];
+        }
+        bounds[0] = 0;
+        for (int part = 1; part <= layout.parts; ++part) {
+            int& row = bounds[part] = bounds[part - 1];
+            while (row < layout.rows && work_before(row) * layout.parts < part * work_before(layout.rows)) ++row;
+        }
+        bounds[layout.parts] = layout.rows;
+        for (int part = 0; part < layout.parts; ++part) set_runs(part);
+    }
+
+private:
+    // A row that is only solved for costs a quarter of one that is formed.
+    int work_before(int row) const { return solved_before_[row] + 3 * formed_before_[row]; }
+    int count(const Buffer<int>& before, int part, int first, int last) const {
+        first = first > bounds[part] ? first : bounds[part];
+        last = last < bounds[part + 1] ? last + 1 : bounds[part + 1];
+        return first < last ? before[last] - before[first] : 0;
+    }
+    void set_runs(int part) {
+        runs[part].shorten(0);
+        for (int row = bounds[part], length = 0; row < bounds[part + 1]; ++row) {
+            length = solved[row] ? length + 1 : 0;
+            if (length > 0 && (row + 1 == bounds[part + 1] || !solved[row + 1]))
+                runs[part].push({row + 1 - length, length});
+        }
+    }
+
+    Buffer<int> formed_before_, solved_before_;  // [row], and behind the last
 };
 
 // One value of a node in an array of rows.

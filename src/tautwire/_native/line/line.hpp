@@ -17,7 +17,7 @@ struct Element {
     Inertia<Doubles> inertia;
 
     static Element of(Doubles length, Doubles axial, Doubles bending, Doubles mass) {
-        return {length, 1.0 / length, Stiffness<Doubles>::of(axial, 4.0 * bending / (length * length)),
+        return {length, 1.0 / length, {0.5 * axial, 4.0 * bending / (length * length)},
                 Inertia<Doubles>::of(mass * length, length)};
     }
 };
@@ -44,7 +44,7 @@ public:
     bool joined(int node) const {
         const Slot s = layout.slot(node);
         const Element& e = element[2 * s.row + s.half];
-        return e.inertia.even[s.lane] != 0.0 || e.stiffness.half_axial[0][s.lane] != 0.0;
+        return e.inertia.even[s.lane] != 0.0 || e.stiffness.half_axial[s.lane] != 0.0;
     }
 
     Layout layout;
@@ -106,7 +106,7 @@ inline void Line::set_time_step(double dt) {
     if (!depends_on(dt)) return;
     time_step_ = dt;
     for (std::size_t k = 0; k < element.size(); ++k)
-        element[k].stiffness.set_bending(bending_[k].constant + dt * dt * bending_[k].per_square);
+        element[k].stiffness.bending = bending_[k].constant + dt * dt * bending_[k].per_square;
     for (std::size_t k = 0; k < load_.size(); ++k)
         load[k / 12][k % 12 / 6][k % 6] = load_[k].constant + dt * dt * load_[k].per_square;
 }

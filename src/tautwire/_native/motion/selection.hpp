@@ -25,22 +25,30 @@ public:
         if (time_step != time_step_) forget();
         time_step_ = time_step;
         ++since_whole_;
-        for (Floats& share : share_) share = minimum(kGrowth * share, broadcast<Floats>(1.0));
+        grows_ = true;
     }
     // Whether the step is one of those that iterate everywhere.
     bool verifies() const { return since_whole_ >= kVerify; }
 
     // Choose the rows where an increment may exceed a bound: the next one, from the increments
-    // `sizes` of the last iteration, which are zero afterwards, and in the touched rows the last one,
-    // or any with `always`. False when there are none.
-    bool choose(Buffer<Floats>& sizes, float bound, const List<int>& touched, bool always);
+    // `sizes` of the last iteration as `look` saw them, and in the touched rows the last one, or any
+    // with `always`. False when there are none. `look` is to be called before, for all parts.
+    void look(const Buffer<Floats>& sizes, float bound, int part);
+    bool choose(float bound, const List<int>& touched, bool always);
     // Whether so many rows are chosen that an iteration everywhere costs no more.
-    bool is_large() const { return formed_ > kLarge * layout_.rows; }
-    int formed() const { return formed_; }
+    bool is_large() const { return rows.formed_rows() > kLarge * layout_.rows; }
 
-    // Learn from the increments of the iteration that followed on a choice: in the chosen rows, or
-    // everywhere. Return the largest increment where none above the bound was expected.
-    double learn(const Buffer<Floats>& sizes, float bound, bool everywhere);
+    // Learn in the rows of a part from the increments of the iteration that followed on a choice: in
+    // the chosen rows, or everywhere. `overlooked` is the largest increment where none above the
+    // bound was expected.
+    void learn(const Buffer<Floats>& sizes, float bound, bool everywhere, int part);
+    double overlooked() const {
+        double largest = 0.0;
+        for (int part = 0; part < layout_.parts; ++part)
+            largest = largest > overlooked_[part] ? largest : overlooked_[part];
+        return largest;
+    }
+    void note_whole() { since_whole_ = 0; }
 
     std::size_t state_size() const { return 2 + share_.size() * kNumbers; }
     double* save(double* out) const {
@@ -82,38 +90,44 @@ private:
         for (Floats& share : share_) share = broadcast<Floats>(1.0);
         since_whole_ = kVerify;
     }
-    void spread(const Buffer<Floats>& sizes);
     void set_rows();
-    void set_runs();
 
     Layout layout_;
     Buffer<Floats> share_;   // [row]: kSafety times the share that was left
     Buffer<Floats> around_;  // [row]: largest of the last increments here and in the next rows
     Buffer<int> reach_;      // [row]: to how many rows on either side residuals are formed; -1: none
     double time_step_ = 0.0;
-    int since_whole_ = 0, formed_ = 0;
+    int since_whole_ = 0;
+    bool grows_ = false;  // the next look is the first of its step
+    // Of the parts; each on a cache line of its own.
+    struct alignas(64) Seen {
+        bool any;
+    };
+    Seen seen_[kMostParts] = {};
+    double overlooked_[kMostParts] = {};
 };
 
-// Take the largest of three neighbours, round the ends of the pieces too.
-inline void Selection::spread(const Buffer<Floats>& sizes) {
+// Take the largest of three neighbours, round the ends of the pieces too, and see where the next
+// increment may exceed the bound.
+inline void Selection::look(const Buffer<Floats>& sizes, float bound, int part) {
     const int last = layout_.rows - 1;
-    for (int row = 0; row <= last; ++row) {
+    bool any = false;
+    for (int row = layout_.bound(part); row < layout_.bound(part + 1); ++row) {
         const Floats before = row > 0 ? sizes[row - 1] : to_next_piece(sizes[last]);
         const Floats after = row < last ? sizes[row + 1] : to_previous_piece(sizes[0]);
         around_[row] = maximum(maximum(before, after), sizes[row]);
-    }
-}
-
-inline bool Selection::choose(
-    Buffer<Floats>& sizes, float bound, const List<int>& touched, bool always) {
-    bool any = false;
-    spread(sizes);
-    for (int row = 0; row < layout_.rows; ++row) {
+        if (grows_) share_[row] = minimum(kGrowth * share_[row], broadcast<Floats>(1.0));
         const bool needed = any_greater(around_[row] * share_[row], broadcast<Floats>(kPart * bound));
         reach_[row] = needed ? kPad : -1;
         any |= needed;
-        sizes[row] = broadcast<Floats>(0.0);
     }
+    seen_[part].any = any;
+}
+
+inline bool Selection::choose(float bound, const List<int>& touched, bool always) {
+    bool any = false;
+    grows_ = false;
+    for (int part = 0; part < layout_.parts; ++part) any |= seen_[part].any;
     for (const int row : touched) {
         if (!always && largest_lane(around_[row]) <= bound) continue;
         reach_[row] = kTouchPad;
@@ -138,33 +152,15 @@ inline void Selection::set_rows() {
             row = forward ? layout_.after(row) : layout_.before(row);
         }
     }
-    formed_ = 0;
-    set_runs();
-    for (const unsigned char flag : rows.formed) formed_ += flag;
+    rows.divide(layout_);
 }
 
-inline void Selection::set_runs() {
-    const int count = layout_.rows;
-    rows.runs.shorten(0);
-    int begin = 0;
-    while (begin < count && rows.solved[begin]) ++begin;
-    if (begin == count) {
-        rows.whole = true;  // then the pieces are joined at their ends
-        std::memset(rows.formed.data(), 1, rows.formed.size());
-        rows.runs.push({0, count});
-    }
-    for (int n = 0, length = 0, row = begin; n < count && begin < count; ++n, row = layout_.after(row)) {
-        length = rows.solved[row] ? length + 1 : 0;
-        if (length > 0 && !rows.solved[layout_.after(row)])
-            rows.runs.push({(row - length + 1 + count) % count, length});
-    }
-}
-
-inline double Selection::learn(const Buffer<Floats>& sizes, float bound, bool everywhere) {
+inline void Selection::learn(
+    const Buffer<Floats>& sizes, float bound, bool everywhere, int part) {
     const Floats least = broadcast<Floats>(kLeast), most = broadcast<Floats>(1.0);
     const Floats told = broadcast<Floats>(kTold * bound), none = broadcast<Floats>(0.0);
     Floats overlooked = none;
-    for (int row = 0; row < layout_.rows; ++row) {
+    for (int row = layout_.bound(part); row < layout_.bound(part + 1); ++row) {
         if (!everywhere && !rows.formed[row]) continue;
         const Floats before = around_[row], share = share_[row];
         const Floats seen = kSafety * sizes[row] / maximum(before, told);
@@ -172,8 +168,7 @@ inline double Selection::learn(const Buffer<Floats>& sizes, float bound, bool ev
         share_[row] = where_greater(before, told, learned, share);
         if (everywhere && reach_[row] < 0) overlooked = maximum(overlooked, sizes[row]);
     }
-    if (everywhere) since_whole_ = 0;
-    return largest_lane(overlooked);
+    overlooked_[part] = largest_lane(overlooked);
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

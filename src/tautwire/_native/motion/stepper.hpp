@@ -42,9 +42,10 @@ private:
 class LineEngine final : public Engine {
 public:
     LineEngine(const LineData& data, const Scheme& scheme)
-        : scheme_(scheme), weight_(1.0 + scheme.alpha), sweeps_(data, weight_),
+        : scheme_(scheme), weight_(1.0 + scheme.alpha), team_(scheme.threads), sweeps_(data, weight_),
           factors_(sweeps_.line, sweeps_.attached, data, scheme), whole_(sweeps_.line.layout),
           selection_(sweeps_.line.layout), paths_(data.paths) {
+        sweeps_.team = &team_;
         for (int i = 0; i < data.paths; ++i)
             paths_[i] = {static_cast<int>(data.path_nodes[2 * i]),
                          static_cast<int>(data.path_nodes[2 * i + 1]), data.path_stiffness[i]};
@@ -89,7 +90,7 @@ private:
     template <class P>
     double iterate(P& matrix, const RowSet& rows, bool fresh);
     bool settle(int iteration);
-    void learn(bool everywhere);
+    void review(bool learns, bool everywhere);
     // The tolerance as an acceleration.
     float bound() { return static_cast<float>(scheme_.tolerance / sweeps_.end().to_position); }
     bool renew(bool full_newton);
@@ -109,6 +110,7 @@ private:
 
     Scheme scheme_;
     double weight_;
+    Team team_;
     Sweeps sweeps_;
     StepFactors factors_;
     RowSet whole_;
@@ -130,6 +132,7 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
     for (Pantograph* pantograph : pantographs_) pantograph->set_time_step(chunk.time_step);
     Outcome outcome = Outcome::running;
     const double begin = seconds();
+    team_.begin();
     for (done = 0; done < chunk.steps; ++done) {
         outcome = step(chunk, done);
         if (outcome != Outcome::running) break;
@@ -137,6 +140,7 @@ inline Outcome LineEngine::advance(const Chunk& chunk, int& done) {
         record(chunk, done);
         timings_.records += seconds() - before;
     }
+    team_.end(done);
     timings_.total += seconds() - begin;
     return outcome;
 }
@@ -179,7 +183,7 @@ inline Outcome LineEngine::solve(Watchdog watch) {
                                                    : iterate(factors_.fast(), whole_, fresh);
         ++counters_.iterations;
         if (std::isnan(increment)) return Outcome::not_finite;
-        if (n > 0 && !watch.full_newton) learn(true);
+        if (!watch.full_newton) review(n > 0, true);
         if (watch.count > 0 && increment <= scheme_.tolerance) {
             counters_.full_newton_steps += watch.full_newton;
             return Outcome::running;
@@ -268,7 +272,8 @@ double LineEngine::iterate(P& matrix, const RowSet& rows, bool fresh) {
     touches_.release(layout, sweeps_.known);
     const double eliminated = seconds();
     if (fresh) touches_.set_columns(matrix, weight_ * scale, pantographs_.begin());
-    if (!touches_.correct(matrix, weight_ * scale, pantographs_.begin())) return NAN;
+    touches_.close(weight_ * scale * matrix.scale, pantographs_.begin());
+    if (!sweeps_.correct(matrix, rows, touches_.closed(), touches_.compliance())) return NAN;
     const double corrected = seconds();
     const double increment = first ? sweeps_.substitute<true>(matrix, rows)
                                    : sweeps_.substitute<false>(matrix, rows);
@@ -288,19 +293,28 @@ inline bool LineEngine::settle(int iteration) {
         touched_.shorten(0);
         for (const Touch& touch : touches_) touched_.push(layout.slot(touch.point.element).row);
         const bool first = iteration == 0 && n == 0;
-        if (!selection_.choose(sweeps_.sizes, bound(), touched_, first)) return true;
+        if (!selection_.choose(bound(), touched_, first)) return true;
         if (first && (selection_.is_large() || selection_.verifies())) return false;
         if (!touch_all() || std::isnan(iterate(factors_.fast(), selection_.rows, false))) return false;
         ++counters_.local_iterations;
-        counters_.local_rows += selection_.formed();
-        learn(false);
+        counters_.local_rows += selection_.rows.formed_rows();
+        counters_.solved_rows += selection_.rows.solved_rows();
+        review(true, false);
     }
-    return !selection_.choose(sweeps_.sizes, bound(), touched_, false);
+    return !selection_.choose(bound(), touched_, false);
 }
 
-// Let the selection learn from an iteration; what it had overlooked is counted.
-inline void LineEngine::learn(bool everywhere) {
-    const double overlooked = sweeps_.end().to_position * selection_.learn(sweeps_.sizes, bound(), everywhere);
+// Let the selection look at the increments of an iteration in some rows or everywhere, after it has
+// learned from them; what it had overlooked is counted.
+inline void LineEngine::review(bool learns, bool everywhere) {
+    const float limit = bound();
+    team_.share(sweeps_.line.layout.parts, [&](int part) {
+        if (learns) selection_.learn(sweeps_.sizes, limit, everywhere, part);
+        selection_.look(sweeps_.sizes, limit, part);
+    });
+    if (!learns) return;
+    if (everywhere) selection_.note_whole();
+    const double overlooked = sweeps_.end().to_position * selection_.overlooked();
     if (overlooked > counters_.overlooked) counters_.overlooked = overlooked;
 }
 
@@ -386,7 +400,7 @@ inline bool LineEngine::start_from(const double* q, const double* v) {
     matrix.clear_contacts();
     for (int n = 0; n < kRefinements; ++n) {  // find (1 + alpha) a from M a = -g
         sweeps_.eliminate<false>(matrix, whole_);
-        matrix.correct(nullptr, nullptr);
+        sweeps_.correct(matrix, whole_, nullptr, nullptr);
         sweeps_.substitute<false>(matrix, whole_);
     }
     if (scheme_.alpha != 0.0) carry_over();
@@ -409,7 +423,8 @@ inline void LineEngine::record(const Chunk& chunk, int index) {
         for (int j = 0; j < pantograph->stages(); ++j) *stage++ = pantograph->displacement()[j];
     const Attachments& attached = sweeps_.attached;
     const MotionView motion = sweeps_.at_start();
-    attached.tie_forces(motion, chunk.tie_force + row * static_cast<std::ptrdiff_t>(attached.ties.size()));
+    double* ties = chunk.tie_force + row * static_cast<std::ptrdiff_t>(attached.ties.size());
+    team_.share(sweeps_.line.layout.parts, [&](int part) { attached.tie_forces(motion, ties, part); });
     const WireView view(sweeps_.line, motion);
     double* out = chunk.coordinates + row * chunk.observed;
     for (int i = 0; i < chunk.observed; ++i) {

@@ -4,11 +4,14 @@
 // A state is kept as q_p, v_p and a with q = q_p + to_position a and v = v_p + to_velocity a. The
 // first sweeps of a step read the state at its start and write the one at its end, so that a step
 // can be dropped.
+//
+// The parts of the line are swept side by side; what one leaves for the next is exchanged in between.
 #pragma once
 
 #include "chain/preconditioner.hpp"
 #include "line/attachments.hpp"
 #include "line/forces.hpp"
+#include "team.hpp"
 
 namespace tautwire::TAUTWIRE_ISA {
 
@@ -40,7 +43,8 @@ public:
     Attachments attached;
     Buffer<Row> known;      // forces known at the start of a step
     Prediction prediction;  // of the step in progress
-    Buffer<Floats> sizes;   // per row: largest |increment| of each node, as substitute left them
+    Buffer<Floats> sizes;   // per row: largest |increment| of each node in the last iteration
+    Team* team = nullptr;   // does the parts
 
     WireState& start() { return states_[now_]; }
     const WireState& start() const { return states_[now_]; }
@@ -84,6 +88,10 @@ public:
     template <bool kFirst, class P>
     void eliminate(P& preconditioner, const RowSet& set);
 
+    // Correct what is eliminated for the couplings that act; false when that fails. See Couplings.
+    template <class P>
+    bool correct(P& preconditioner, const RowSet& set, const bool* closed, const double* compliance);
+
     // Substitute back and update the accelerations; return the largest change of one, or NaN when
     // the state is not finite.
     template <bool kFirst, class P>
@@ -125,6 +133,16 @@ private:
     }
     template <bool kFirst>
     void enter(int row, Motion& here, Row& carry);
+    template <bool kFirst>
+    TAUTWIRE_INLINE void advance(int row, int bound, const Motion& here, Motion& next, Motion& behind);
+    template <bool kFirst, class P>
+    void eliminate(P& preconditioner, const RowSet& set, int part);
+    // Largest lane by lane of |x|, and their sum, in which values that are not finite are found.
+    struct Size {
+        Floats largest, total;
+    };
+    template <bool kFirst, class P>
+    void substitute(P& preconditioner, const RowSet& set, int part, Size& size);
 
     WireState states_[2];
     int now_ = 0;
@@ -241,20 +259,30 @@ void Sweeps::enter(int row, Motion& here, Row& carry) {
     if (row == 0) shift(carry);
 }
 
+// Form the motion of the row after one of a part that ends at `bound`. In the last row of all it is
+// that of the first row, and `behind` is the motion of the pieces' next nodes.
+template <bool kFirst>
+TAUTWIRE_INLINE void Sweeps::advance(
+    int row, int bound, const Motion& here, Motion& next, Motion& behind) {
+    if (row + 1 < bound) {
+        move<kFirst, true>(row + 1, next);
+    } else {
+        move<kFirst, false>(line.layout.after(row), next);
+        if (row + 1 == line.layout.rows) wrap(next, here, behind);
+    }
+}
+
 template <bool kFirst, class P>
-void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
-    const int rows = line.layout.rows;
-    attached.push(kFirst ? predicted() : at_end(), known, set);
+void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
+    const int rows = line.layout.rows, bound = set.bounds[part + 1];
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
-    preconditioner.begin_elimination(set);
-    for (const Run& run : set.runs) {
-        preconditioner.begin_run(run);
+    for (const Run& run : set.runs[part]) {
         bool entered = false;
-        for (int n = 0, row = run.first, side = 0; n < run.count; ++n, row = line.layout.after(row)) {
+        for (int row = run.first, side = 0; row <= run.last(); ++row) {
             if (!set.formed[row]) {
-                preconditioner.pass(row);
+                preconditioner.pass(row, row == run.first);
                 entered = false;
                 continue;
             }
@@ -262,12 +290,7 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
             entered = true;
             const Motion& here = nodes[side];
             Motion& next = nodes[1 - side];
-            if (row + 1 < rows) {
-                move<kFirst, true>(row + 1, next);
-            } else {
-                move<kFirst, false>(0, next);
-                wrap(next, here, behind);
-            }
+            advance<kFirst>(row, bound, here, next, behind);
             wires(row, here, row + 1 < rows ? next : behind, ends);
             Row r;
             TAUTWIRE_UNROLL
@@ -278,15 +301,38 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
                     if (i < 3) r[half][i] -= line.node_mass[2 * row + half] * here.s[half][i];
                     carry[half][i] = ends[half].right[i];
                 }
-            if (row + 1 == rows) shift(carry);
             if (line.hold_of[row] >= 0) clear_held(row, r);
             if constexpr (kFirst) preconditioner.set_rotation(row, here.q);
-            preconditioner.eliminate(row, r);
+            preconditioner.eliminate(row, row == run.first, r);
             side = 1 - side;
         }
+        preconditioner.end_run(set, part, run);
     }
-    preconditioner.finish_elimination();
-    attached.release(known);
+}
+
+template <bool kFirst, class P>
+void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
+    const MotionView view = kFirst ? predicted() : at_end();
+    const int parts = line.layout.parts;
+    team->share(parts, [&](int part) {
+        attached.push(view, known, set, part);
+        eliminate<kFirst>(preconditioner, set, part);
+        attached.release(known, set, part);
+    });
+}
+
+template <class P>
+bool Sweeps::correct(P& preconditioner, const RowSet& set, const bool* closed, const double* compliance) {
+    const int parts = line.layout.parts;
+    const bool is_local = preconditioner.is_local(set);
+    for (int part = 0; !is_local && part < parts; ++part) preconditioner.finish_elimination(set, part);
+    team->share(parts, [&](int part) {
+        if (is_local) preconditioner.finish_elimination(set, part);
+        preconditioner.project(set, part);
+    });
+    if (!preconditioner.solve_couplings(closed, compliance)) return false;
+    team->share(parts, [&](int part) { preconditioner.apply_couplings(set, part); });
+    return true;
 }
 
 inline void Sweeps::inertia(Buffer<Row>& out) const {
@@ -315,16 +361,16 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
 }
 
 template <bool kFirst, class P>
-double Sweeps::substitute(P& preconditioner, const RowSet& set) {
+void Sweeps::substitute(P& preconditioner, const RowSet& set, int part, Size& size) {
     Floats largest = broadcast<Floats>(0.0), total = largest;
-    for (const Run& run : set.runs) {
-        preconditioner.begin_substitution();
-        int row = (run.first + run.count - 1) % line.layout.rows;
-        for (int n = 0; n < run.count; ++n, row = line.layout.before(row)) {
-            if (n > 0 && row + 1 == line.layout.rows) preconditioner.cross_back();
+    for (int row = set.bounds[part]; row < set.bounds[part + 1]; ++row)
+        if (!set.solved[row]) sizes[row] = total;
+    for (const Run& run : set.runs[part]) {
+        typename P::Local local;
+        preconditioner.begin_substitution(set, run, local);
+        for (int row = run.last(); row >= run.first; --row) {
             Row x;
-            Floats& size = sizes[row];
-            preconditioner.substitute(row, x, size, total);
+            preconditioner.substitute(row, local, x, sizes[row], total);
             if (line.hold_of[row] >= 0) clear_held(row, x);
             TAUTWIRE_UNROLL
             for (int half = 0; half < 2; ++half)
@@ -333,12 +379,24 @@ double Sweeps::substitute(P& preconditioner, const RowSet& set) {
                     const Doubles before = (kFirst ? start() : end()).a[row][half][i];
                     end().a[row][half][i] = before + x[half][i];
                 }
-            largest = maximum(largest, size);
+            largest = maximum(largest, sizes[row]);
         }
     }
+    size = {largest, total};
+}
+
+template <bool kFirst, class P>
+double Sweeps::substitute(P& preconditioner, const RowSet& set) {
+    const int parts = line.layout.parts;
+    Size size[kMostParts];
+    team->share(parts, [&](int part) { substitute<kFirst>(preconditioner, set, part, size[part]); });
+    for (int part = 1; part < parts; ++part) {
+        size[0].largest = maximum(size[0].largest, size[part].largest);
+        size[0].total += size[part].total;
+    }
     double sum = 0.0;
-    for (int piece = 0; piece < kPieces; ++piece) sum += total[piece];
-    return std::isfinite(sum) ? largest_lane(largest) : sum - sum;
+    for (int piece = 0; piece < kPieces; ++piece) sum += size[0].total[piece];
+    return std::isfinite(sum) ? largest_lane(size[0].largest) : sum - sum;
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -39,7 +39,8 @@ class SupportForce(Plain):
     lateral_position, height : float m
         Of the wire there, in the frame of the track.
     along, lateral, vertical : float N
-        Along the rails, level to the left of rising chainage (radial in a curve), upwards.
+        Along the rails, level to the left of rising chainage (radial in a curve), upwards; on a
+        gradient the first rises with them.
     """
 
     support: int
@@ -100,8 +101,9 @@ def support_forces(model: Model, shape: Equilibrium) -> tuple[SupportForce, ...]
         one = found[row]
         values = {"along": one.along, "lateral": one.lateral, "vertical": one.vertical - hanging}
         found[row] = _with(one, **values)
+    rise = model.mesh.frames.axes[nodes, 0, 2]
     for row, pull in _pulls(model, shape, [at for _, at, _, _ in held]):
-        found[row] = _with(found[row], along=pull)
+        found[row] = _with(found[row], along=pull - float(rise[row]) * found[row].vertical)
     return tuple(found)
 
 
@@ -129,7 +131,10 @@ def _held(model: Model) -> Iterator[tuple[int, At, str, float]]:
 
 
 def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Array:
-    """Return the forces on what holds nodes: along, level to the left, upwards, ``(n, 3)`` [N]."""
+    """Return the forces on what holds nodes: along, level to the left, upwards, ``(n, 3)`` [N].
+
+    A force N normal to rails of rise g is ``N/sqrt(1 - g^2)`` upwards and -g times that along.
+    """
     system = equations(model, shape)
     hangers = np.arange(len(system.ties)) < len(model.line.hangers)
     bare = system.with_(
@@ -138,12 +143,10 @@ def _at_nodes(model: Model, shape: Equilibrium, nodes: NDArray[np.int64]) -> Arr
     left = (system.load - internal_force(bare, system.position).nodal).reshape(-1, 6)[:, :3]
     force = (left - _constant_forces(model, shape))[nodes]
     t = model.mesh.frames.axes[nodes, 0]
-    level = np.stack([-t[:, 1], t[:, 0], np.zeros(len(t))], axis=1)
-    level /= np.linalg.norm(level, axis=1, keepdims=True)
-    ahead = np.stack([level[:, 1], -level[:, 0], np.zeros(len(t))], axis=1)
-    return np.stack(
-        [np.sum(force * ahead, axis=1), np.sum(force * level, axis=1), force[:, 2]], axis=1
-    )
+    level = np.hypot(t[:, 0], t[:, 1])
+    along = np.sum(force * t * [1.0, 1.0, 0.0], axis=1) / level**2
+    left = (force[:, 1] * t[:, 0] - force[:, 0] * t[:, 1]) / level
+    return np.stack([along, left, force[:, 2] - along * t[:, 2]], axis=1)
 
 
 def _constant_forces(model: Model, shape: Equilibrium) -> Array:

@@ -22,7 +22,13 @@ import numpy as np
 from tautwire.analyses.force.cutoff import missed_deviation
 from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import contact_statistics
-from tautwire.analyses.road.dynamics import Progress, simulate
+from tautwire.analyses.road.dynamics import (
+    FEW_FRAMES,
+    Choices,
+    Progress,
+    Simulation,
+    carried_out,
+)
 from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.model.build import build
@@ -85,7 +91,8 @@ def with_accuracy(
     kind = run.case.settings.error
     if kind == "none" or run.status != "done":
         return run
-    forces = [record.uplift_force for record in run.pantographs]
+    forces = tuple(record.uplift_force for record in run.pantographs)
+    choices = Choices(uplift_forces=forces, backend=backend, frame_interval=FEW_FRAMES)
     cases = {
         "estimate": [coarser(run.case)],
         "bound": [coarser(run.case, step=False), coarser(run.case, mesh=False)],
@@ -95,15 +102,8 @@ def with_accuracy(
         for number, case in enumerate(cases, 1):
             model = build(case)
             name = f"companion {number} for the numerical error"
-            companions.append(
-                simulate(
-                    model,
-                    find_shape(model),
-                    uplift_forces=forces,
-                    backend=backend,
-                    watch=None if watch is None else lambda p, name=name: watch(name, p),
-                )
-            )
+            told = None if watch is None else lambda p, name=name: watch(name, p)
+            companions.append(carried_out(Simulation(model, find_shape(model), choices), told))
             if companions[-1].status != "done":
                 return run
     except (ConvergenceError, InputError, ModelError) as error:

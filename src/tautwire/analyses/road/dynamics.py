@@ -34,6 +34,9 @@ Array = NDArray[Any]
 
 FRAME_INTERVAL = 0.02
 """Time between frames of the animation [s]: 50 pictures a second look smooth."""
+FEW_FRAMES = 0.1
+"""Time between frames where nobody looks at them [s]: with 20 ms a passage of AC simple at NAD 9
+takes a tenth longer."""
 SHAPE_INTERVAL = 0.005
 """Time between stored shapes [s]: 200 a second show waves of up to 100 Hz."""
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tautwire.errors import ModelError
 from tautwire.line.closures import Held
-from tautwire.line.labels import named_arms, place
-from tautwire.line.pieces import GivenHeight, Hanger
+from tautwire.line.labels import MastLabel, named_arms, place
+from tautwire.line.pieces import At, GivenHeight, Hanger
 from tautwire.model.build import Model
 from tautwire.model.mesh import Strand
 from tautwire.numerics.elements import ancf
@@ -100,7 +100,6 @@ def refuse_bad_arms(model: Model, held: Held) -> None:
         With every arm.
     """
     faults: list[tuple[str, str]] = []
-    wires = {piece.at.run for piece in model.line.registrations}
     for i in np.flatnonzero(~np.isnan(held.force)):
         piece, force = model.line.registrations[i], float(held.force[i])
         lateral = abs(force * np.cos(held.angle[i]))
@@ -111,14 +110,36 @@ def refuse_bad_arms(model: Model, held: Held) -> None:
             if force < 0.0
             else f"pulls sideways with only {lateral:.1f} N"
         )
-        wire = f" (of the wire {piece.at.run!r})" if len(wires) > 1 else ""
-        faults.append((f"{place(piece.label, piece.at.s)}{wire}", what))
+        faults.append((_of_wire(model, piece.label, piece.at), what))
     if faults:
         raise ModelError(
             f"{named_arms(faults)}; give the contact wire more stagger there "
             "(supports.contact_stagger), put the arm's far end on the other side, or use closure "
             "'spring'"
         )
+
+
+def refuse_crossing_wires(model: Model, shape: Equilibrium) -> None:
+    """Raise when a wire hangs below one that it carries.
+
+    Parameters
+    ----------
+    model
+    shape
+
+    Raises
+    ------
+    ModelError
+        With the worst place of every pair.
+    """
+    if faults := list(_crossing_wires(model, shape)):
+        raise ModelError("\n".join(faults))
+
+
+def _of_wire(model: Model, label: MastLabel, at: At) -> str:
+    """Name the place of a contact wire at a support, and the wire where there are several."""
+    several = len({piece.at.run for piece in model.line.registrations}) > 1
+    return f"{place(label, at.s)}{f' (of the wire {at.run!r})' if several else ''}"
 
 
 def refuse_impossible(model: Model, shape: Equilibrium) -> None:
@@ -184,7 +205,7 @@ def _pushing_arms(model: Model, shape: Equilibrium) -> Iterator[str]:
     """Name all steady arms in compression, in one sentence: they have one cause."""
     places = model.line.contact_supports
     pushing = [
-        (place(label, at.s), f"would have to push ({force:.1f} N)")
+        (_of_wire(model, label, at), f"would have to push ({force:.1f} N)")
         for row, force in zip(shape.arm_supports - 1, shape.arm_forces, strict=True)
         for label, at in [places[row]]
         if force < 0.0
@@ -208,8 +229,22 @@ def _crossing_wires(model: Model, shape: Equilibrium) -> Iterator[str]:
         worst = int(gap.argmin())
         if gap[worst] <= 0.0:
             span = _span(model, model.mesh.strand(upper), min(worst, len(mine) - 2))
+            low, high = _carried(model, lower)
+            why = (
+                "it sags too much; give it more tension or the line more encumbrance "
+                "(supports.encumbrance)"
+                if low <= mine[worst] <= high
+                else "the wire that it carries rises too far; lower overlaps.anchor_rise and "
+                "overlaps.rise"
+            )
             yield (
                 f"wire {upper!r} hangs {-1e3 * gap[worst]:.0f} mm below {lower!r}, which it "
-                f"carries, in {span}: it sags too much under this load or warmth; give it more "
-                "tension or the line more encumbrance (supports.encumbrance)"
+                f"carries, in {span}: {why}"
             )
+
+
+def _carried(model: Model, run: str) -> tuple[float, float]:
+    """Return the first and the last place at which droppers carry a run [m]."""
+    held = {piece.at for piece in model.line.registrations}
+    places = [h.lower.s for h in model.line.hangers if h.lower.run == run and h.lower not in held]
+    return min(places, default=np.inf), max(places, default=-np.inf)

@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.accuracy import coarser
-from tautwire.analyses.road.dynamics import Progress, simulate
+from tautwire.analyses.road.dynamics import (
+    FEW_FRAMES,
+    Choices,
+    Progress,
+    Simulation,
+    carried_out,
+)
 from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.model.build import Model, build
@@ -125,7 +131,8 @@ def _coarse_passage(
             if not line:
                 coarse = build(coarser(model.case))
                 line.append((coarse, find_shape(coarse)))
-            run = simulate(*line[0], uplift_forces=given, backend=backend, watch=told)
+            choices = Choices(uplift_forces=given, backend=backend, frame_interval=FEW_FRAMES)
+            run = carried_out(Simulation(*line[0], choices), told)
         except (ConvergenceError, InputError, ModelError):
             return None
         if run.status != "done":
@@ -142,6 +149,7 @@ def tune_mean_force(
     *,
     backend: Choice | None = None,
     watch: Callable[[int | str, Progress], bool] | None = None,
+    frame_interval: float | None = None,
 ) -> Run:
     """Repeat the passage until the mean force in the analysed section is the wanted one.
 
@@ -161,6 +169,8 @@ def tune_mean_force(
     watch
         Called with the number of the passage (from 1), or the name of a coarse one, and its
         progress; True stops the run.
+    frame_interval : float s, optional
+        Time between pictures.
 
     Returns
     -------
@@ -188,13 +198,12 @@ def tune_mean_force(
     means: Array | None = None
     for number in range(1, MOST_PASSES + 1):
         try:
-            run = simulate(
-                model,
-                shape,
-                uplift_forces=forces.tolist(),
+            choices = Choices(
+                uplift_forces=tuple(forces.tolist()),
                 backend=backend,
-                watch=_numbered(watch, number),
+                frame_interval=frame_interval,
             )
+            run = carried_out(Simulation(model, shape, choices), _numbered(watch, number))
             run = replace(run, counters={**run.counters, "tuning_passes": number})
             if run.status != "done":
                 return run if finished is None else _unfinished(finished, means, target)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautwire.analyses.road.accuracy import with_accuracy
-from tautwire.analyses.road.dynamics import Progress, simulate
+from tautwire.analyses.road.dynamics import Choices, Progress, Simulation, carried_out
 from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.progress_bar import progress_bar
 from tautwire.analyses.road.shape import find_shape
@@ -83,15 +83,20 @@ def run_line(
     *,
     backend: Choice | None = None,
     watch: Callable[[int | str, Progress], bool] | None = None,
+    frame_interval: float | None = None,
 ) -> Run:
     """Do the same for a line whose shape is known.
 
     The warnings of the run name what is outside the model's world, see
-    :mod:`tautwire.analyses.road.validity`.
+    :mod:`tautwire.analyses.road.validity`. Pictures are ``frame_interval`` apart [s], where it is
+    given.
     """
     if model.case.scenario.target_mean_force() is not None:
-        found = tune_mean_force(model, shape, backend=backend, watch=watch)
+        found = tune_mean_force(
+            model, shape, backend=backend, watch=watch, frame_interval=frame_interval
+        )
     else:
         once = None if watch is None else lambda progress: watch(1, progress)
-        found = simulate(model, shape, backend=backend, watch=once)
+        choices = Choices(backend=backend, frame_interval=frame_interval)
+        found = carried_out(Simulation(model, shape, choices), once)
     return with_accuracy(judged(found), backend=backend, watch=watch)

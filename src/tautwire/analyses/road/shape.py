@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.road.faults import refuse_bad_arms, refuse_pushing_droppers
+from tautwire.analyses.road.faults import (
+    refuse_bad_arms,
+    refuse_crossing_wires,
+    refuse_pushing_droppers,
+)
 from tautwire.analyses.road.operate import operate
 from tautwire.analyses.threads import single_threaded
 from tautwire.errors import ConvergenceError
@@ -83,10 +87,12 @@ def find_design(model: Model) -> Equilibrium:
     ConvergenceError
         When Newton's iteration fails.
     ModelError
-        When a dropper or a steady arm would have to push; every one of them is named.
+        When a dropper or a steady arm would have to push, or wires cross; all are named.
     """
     form, iterations = solve_design(model)
-    return _equilibrium(model, form, iterations)
+    shape = _equilibrium(model, form, iterations)
+    refuse_crossing_wires(model, shape)
+    return shape
 
 
 def find_cut(model: Model, lengths: Array) -> Equilibrium:
@@ -348,9 +354,10 @@ def _joint_pulls(model: Model, form: Form) -> Array:
     pulls = frames.components(form.system.clamps.pull(form.system.position))
     sought = iter(form.joint_pulls)
     for number, joint in enumerate(model.line.joints):
-        run = model.line.by_name[joint.other.run]
-        is_start = joint.other.s == run.start.s
-        pulls[number, 0] = next(sought) if is_start else -run.wire.tension
+        strand = model.mesh.strand(joint.other.run)
+        is_start = joint.other.s == strand.run.start.s
+        pull = strand.run.wire.tension * strand.leads[1]
+        pulls[number, 0] = next(sought) if is_start else -pull
     return frames.turned(pulls)
 
 

@@ -19,7 +19,7 @@ from tautwire.model.build import Model
 from tautwire.model.equations import equations
 from tautwire.numerics.vibration.eigen import Pairs, Vibration
 from tautwire.results.equilibrium import Equilibrium, WirePoints
-from tautwire.results.modes import Modes, ModeWire
+from tautwire.results.modes import SHARES, Modes, ModeWire
 from tautwire.signals.spectra import Spectrum
 
 Array = NDArray[np.float64]
@@ -311,7 +311,7 @@ def _result(model: Model, shape: Equilibrium, vibration: Vibration, pairs: Pairs
         wires=tuple(ModeWire(wire.name, wire.s, nodes[:, wire.nodes, 0]) for wire in shape.wires),
         x=points.s,
         contact_z=contact_z,
-        shares=vibration.energy_shares(pairs.vectors, group, axes),
+        shares=vibration.energy_shares(pairs.vectors, group, len(SHARES), axes),
         wavelengths=_dominant_wavelengths(contact_z, points),
         residuals=pairs.residuals,
         orthogonality=vibration.orthogonality(pairs.vectors),

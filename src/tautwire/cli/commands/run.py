@@ -11,6 +11,7 @@ from tautwire.analyses.force.statistics import contact_statistics
 from tautwire.analyses.road.elasticity import elasticity as compute_elasticity
 from tautwire.analyses.road.pipeline import run_case
 from tautwire.analyses.road.validity import judged
+from tautwire.analyses.threads import core_count
 from tautwire.assessment.checks import Criteria
 from tautwire.assessment.limits import known_system, limits_of, load_limits
 from tautwire.cli.about import computation, program
@@ -30,6 +31,7 @@ from tautwire.model.build import build
 from tautwire.model.plausibility import implausible_inputs
 from tautwire.model.preflight import Advice, preflight
 from tautwire.model.resolution import size
+from tautwire.numerics.motion.backend import sharing
 from tautwire.report.parts.tables import write_dropper_table, write_force_history
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.run import Run
@@ -162,7 +164,11 @@ def _passage(answer: Answer, case: Case, interrupts: Interrupts) -> Run:
     """Return the run; a failed one with its status and reason."""
     tuned = case.scenario.target_mean_force() is not None
     try:
-        with PassageWatch(answer, interrupts, is_tuned=tuned) as watch, interrupts.patient():
+        with (
+            PassageWatch(answer, interrupts, is_tuned=tuned) as watch,
+            interrupts.patient(),
+            sharing(core_count()),
+        ):
             return run_case(case, watch=watch)
     except ConvergenceError as error:
         if not isinstance(error.partial, Run):

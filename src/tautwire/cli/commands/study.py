@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from tautwire.analyses.threads import core_count
 from tautwire.cli.about import program
 from tautwire.cli.folders import Files, prepared_folder, tell_files
 from tautwire.cli.interrupts import Interrupts
@@ -31,7 +32,7 @@ from tautwire.specs.project import Project
 from tautwire.studies.execution.executor import Executor, LocalWorkers, StudyError
 from tautwire.studies.files import save_csv, save_netcdf
 from tautwire.studies.plan import WHOLE, Plan, plan_study
-from tautwire.studies.run import Options, StudyProgress, core_count, run_study
+from tautwire.studies.run import Options, StudyProgress, run_study
 from tautwire.studies.store import Store
 from tautwire.studies.study_file import load_study
 from tautwire.studies.table import StudyTable, collect

@@ -107,7 +107,7 @@ def _springs(
     """Yield nodes with stiffness and damping along the track, lateral and vertical.
 
     A heel that follows the wires along the track is held there in a passage as the far end of a
-    rigid arm is.
+    rigid arm is. At a fixed point the messenger wire is held along the track by more than this.
     """
     for row, piece in enumerate(line.registrations):
         if piece.heel is not None and row not in broken:
@@ -119,6 +119,7 @@ def _springs(
     for piece in line.suspensions:
         if piece.elastic is not None:
             given = _along_axes(piece.elastic)
+            given[0] = 0.0 if piece.is_fixed_along else given[0]
             yield mesh.node(piece.at), given, [piece.elastic.damping if v else 0.0 for v in given]
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 from functools import cache
 from types import ModuleType
@@ -28,6 +30,11 @@ Choice = Literal["auto", "native", "reference"]
 
 SIMD_VARIABLE = "TAUTWIRE_SIMD"
 """Environment variable that chooses the instruction set of the compiled core."""
+
+THREADS_VARIABLE = "TAUTWIRE_THREADS"
+"""Environment variable that says how many threads a time integration may use."""
+
+_threads: ContextVar[int] = ContextVar("threads", default=1)
 
 _INSTRUCTION_SETS = {
     "v4": "AVX-512",
@@ -79,6 +86,44 @@ def _native(choice: Choice) -> ModuleType | None:
     return core
 
 
+@contextmanager
+def sharing(threads: int) -> Iterator[None]:
+    """Let the time integrations that are set up inside use several threads each.
+
+    Outside, as in the workers of studies, each uses one; the environment variable
+    TAUTWIRE_THREADS comes before both. Results do not depend on it.
+
+    Parameters
+    ----------
+    threads
+        At most; a time integration has work for two.
+    """
+    token = _threads.set(threads)
+    try:
+        yield
+    finally:
+        _threads.reset(token)
+
+
+def thread_count() -> int:
+    """Return how many threads a time integration that is set up now may use.
+
+    Raises
+    ------
+    InputError
+        TAUTWIRE_THREADS is no count.
+    """
+    wanted = os.environ.get(THREADS_VARIABLE, "")
+    if not wanted:
+        return _threads.get()
+    if not (wanted.isascii() and wanted.isdigit() and int(wanted) > 0):
+        raise InputError(
+            f"{THREADS_VARIABLE}: got {wanted!r}; give a number of threads, 1 or more, or leave "
+            "the variable out"
+        )
+    return int(wanted)
+
+
 def backend_name(choice: Choice = "auto") -> str:
     """Describe the kernels that a choice leads to, for example ``native (AVX-512)``.
 
@@ -128,6 +173,8 @@ def make_stepper(
     NativeCoreMissingError
         'native' was asked for and is not there or cannot compute the line, or TAUTWIRE_SIMD names
         kernels that are not there.
+    InputError
+        TAUTWIRE_THREADS is no count.
     """
     if isinstance(options.integrator, Extrapolated):
         base, usual = options.integrator.base, options.time_step
@@ -141,7 +188,8 @@ def make_stepper(
     if core is None:
         return ReferenceStepper(system, pantographs, options, observed)
     try:
-        return NativeStepper(core, system, pantographs, options, observed)
+        threads = min(thread_count(), core.most_threads)
+        return NativeStepper(core, system, pantographs, options, observed, threads)
     except NotAChainError as error:
         if backend == "native":
             raise NativeCoreMissingError(

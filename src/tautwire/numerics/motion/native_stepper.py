@@ -70,6 +70,8 @@ class NativeStepper:
         Integrator, step, tolerance.
     observed
         Degrees of freedom whose coordinates are recorded at every step.
+    threads
+        That may take part in a step; results do not depend on them.
 
     Raises
     ------
@@ -84,8 +86,10 @@ class NativeStepper:
         pantographs: Sequence[PantographInput],
         options: StepOptions,
         observed: Index,
+        threads: int = 1,
     ) -> None:
         self.counters = StepCounters()
+        self.counters.notes["threads"] = threads
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
         self._order = NodeOrder.of(system.cables.nodes, system.node_count)
@@ -95,7 +99,9 @@ class NativeStepper:
         self._ahead = _Known(self._clock, np.zeros(1), {})
         arrays = line_arrays(system, self._order, options.stiffening, options.contact_stiffness)
         self._paths = len(arrays["path_stiffness"])
-        self._core = core.Stepper(arrays, _scheme(options, reachable_tolerance(system, options)))
+        self._core = core.Stepper(
+            arrays, _scheme(options, reachable_tolerance(system, options), threads)
+        )
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -207,7 +213,7 @@ class NativeStepper:
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
         self.counters.full_newton_steps = full
-        names = ("local_iterations", "local_rows", "overlooked")
+        names = ("local_iterations", "local_rows", "solved_rows", "overlooked")
         self.counters.notes.update(zip(names, local, strict=True))
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
@@ -301,7 +307,7 @@ def _frames(inputs: Sequence[PantographInput], time: Array) -> Array:
     return frames
 
 
-def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float, threads: int = 1) -> dict[str, float | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,
@@ -311,4 +317,5 @@ def _scheme(options: StepOptions, tolerance: float) -> dict[str, float | bool]:
         "tolerance": tolerance,
         "iterations": options.iterations,
         "full_newton": options.full_newton,
+        "threads": threads,
     }

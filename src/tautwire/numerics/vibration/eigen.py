@@ -167,7 +167,9 @@ class Vibration:
         free = vectors[:, self.free]
         return float(np.abs(free @ (self.mass @ free.T) - np.eye(len(free))).max(initial=0.0))
 
-    def energy_shares(self, vectors: Array, group: NDArray[np.int64], axes: Array) -> Array:
+    def energy_shares(
+        self, vectors: Array, group: NDArray[np.int64], count: int, axes: Array
+    ) -> Array:
         """Return the share of every group of components in ``phi' M phi``.
 
         Masses do not couple directions or wires, so the shares of a partition by direction and
@@ -178,6 +180,8 @@ class Vibration:
         vectors : (n_mode, n_dof)
         group : (n_dof,)
             Number of the group of each component along the axes, from 0.
+        count
+            Number of groups; some may be empty.
         axes : (n_node, 3, 3)
             Directions in which a node moves, as rows.
 
@@ -190,7 +194,7 @@ class Vibration:
         both = (v.reshape(len(v), len(axes), 2, 3) for v in (vectors, momentum))
         along, moved = (np.einsum("nij,mnaj->mnai", axes, v).reshape(vectors.shape) for v in both)
         energy = along * moved
-        shares = [energy[:, group == number].sum(axis=1) for number in range(int(group.max()) + 1)]
+        shares = [energy[:, group == number].sum(axis=1) for number in range(count)]
         return np.stack(shares, axis=1) / energy.sum(axis=1)[:, None]
 
 

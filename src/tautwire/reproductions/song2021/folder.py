@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from tautwire.analyses.threads import core_count
 from tautwire.specs.case import Case
 from tautwire.specs.study import Study
 from tautwire.studies.execution.executor import LocalWorkers
 from tautwire.studies.execution.task import DONE, STANDARD_TASK
 from tautwire.studies.plan import Plan, plan_study
-from tautwire.studies.run import Options, Watch, core_count, run_study
+from tautwire.studies.run import Options, Watch, run_study
 from tautwire.studies.store import Store
 
 PASSAGES = ("passages", "irregular")

@@ -248,6 +248,11 @@ class Line(Spec):
         """Name a support by its number, from 1, and by mast and chainage where it has them."""
         return ", ".join(filter(None, (f"support {number}", self.place_of_support(number - 1))))
 
+    def span_in_words(self, number: int) -> str:
+        """Name a span by its number, from 1, and by its support on the left if that has a name."""
+        place = self.place_of_support(number - 1)
+        return f"span {number} (from {place})" if place else f"span {number}"
+
     def length(self) -> float:
         """Return the distance between the two anchors [m]."""
         return self.support_positions()[-1]

@@ -14,7 +14,17 @@ from tautwire.specs.line.wire import Wires
 
 Height = Annotated[float, Quantity("m", ge=0.0, le=20.0, typical="5.08 to 5.5 m")]
 Encumbrance = Annotated[float, Quantity("m", gt=0.0, le=10.0, typical="1.2 to 1.8 m")]
-Stagger = Annotated[float, Quantity("m", ge=-1.0, le=1.0, typical="0.2 to 0.3 m")]
+Stagger = Annotated[
+    float,
+    Quantity(
+        "m",
+        ge=-1.0,
+        le=1.0,
+        typical="0.2 to 0.3 m",
+        beyond="it counts from the middle of the track; where that bends, 'track' says: "
+        "track: [{arc: 500 m, radius: 800 m, side: left}]",
+    ),
+]
 Coordinate = Annotated[float, Quantity("m", ge=-100.0, le=100.0)]
 TypeName = Annotated[
     str, Field(min_length=1, max_length=30, pattern=r"^[^/\\\x00-\x1f]+$"), Typical("push-off")

@@ -41,6 +41,8 @@ def case_json_schema() -> JsonSchema:
             "wires": {"type": "string", "description": "One row per wire."},
             "bodies": {"type": "string", "description": "One row per body in the line of a wire."},
             "stays": {"type": "string", "description": "One row per stay of a wire."},
+            "tension_lengths": {"type": "string", "description": "One row per tension length."},
+            "overlaps": {"type": "string", "description": "One row per overlap, or one for all."},
         },
         "additionalProperties": False,
     }

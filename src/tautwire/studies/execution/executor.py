@@ -23,7 +23,7 @@ LOG = "workers.log"
 MOST_LOSSES = 2
 """Times a case may take its worker down before it counts as failed."""
 
-_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "TAUTWIRE_THREADS")
 _FAILED_STARTS = 3
 """Starts of each worker in a row that may fail before the study stops: one may fail for want of
 memory."""
@@ -97,7 +97,7 @@ class _Worker:
 
 
 class LocalWorkers:
-    """Worker processes on this machine, one case each at a time, one BLAS thread each.
+    """Worker processes on this machine, one case each at a time, one thread each.
 
     A worker that dies is replaced and its case tried once more; a case that takes a second worker
     down becomes a failed row.

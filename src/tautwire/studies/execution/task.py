@@ -131,11 +131,13 @@ def simulate_case(case: Case, keep_run: bool) -> tuple[Values, bytes | None]:  #
     """Simulate the passage, mean force tuned where the case asks for it, and evaluate it."""
     from tautwire.analyses.force.cutoff import advise_cutoff, missed_deviation
     from tautwire.analyses.force.statistics import contact_statistics
+    from tautwire.analyses.road.dynamics import FEW_FRAMES
     from tautwire.analyses.road.pipeline import run_line
     from tautwire.results.storage import run_image
     from tautwire.signals.filters import Butterworth, SharpLowpass
 
-    run = run_line(*_lines().at_rest(case))
+    interval = None if keep_run else FEW_FRAMES
+    run = run_line(*_lines().at_rest(case), frame_interval=interval)
     statistics = contact_statistics(run)
     filters = {"sharp": SharpLowpass(), "butterworth": Butterworth(case.settings.filter_order)}
     pantographs, cutoff = [], advise_cutoff(case).frequency

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tautwire.analyses.survey.corrections import LEAST
 from tautwire.analyses.survey.rank import TOGETHER, Ranking, rank_lines
+from tautwire.analyses.threads import core_count
 from tautwire.cli.commands.measuring.measured import quantity
 from tautwire.cli.commands.study import MOST_WORKERS
 from tautwire.cli.folders import Files, prepared_folder, tell_files
@@ -29,7 +30,6 @@ from tautwire.report.parts.recordings.rank import (
     rank_rows,
 )
 from tautwire.specs.case import Case
-from tautwire.studies.run import core_count
 from tautwire.version import __version__
 
 MOST_FIRST = 1000
