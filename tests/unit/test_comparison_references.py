@@ -18,6 +18,7 @@ from tautwire.assessment.references import (
     load_references,
 )
 from tautwire.errors import InputError
+from tautwire.results.accuracy import Accuracy
 from tautwire.results.statistics import FilteredStatistics, RunStatistics
 
 from .synthetic import make_case, make_elasticity, make_run
@@ -113,6 +114,20 @@ def test_rows_against_a_range(statistics: RunStatistics) -> None:
     other = compare_with_reference(statistics, reference, filter="butterworth")
     assert "order 6 forward and backward" in row_of(other, "maximum").filter
     json.dumps([row.as_dict() for row in rows], allow_nan=False)
+
+
+def test_rows_have_the_errors_of_the_run(statistics: RunStatistics) -> None:
+    """Numbers beside published ones carry the numerical errors of the run, each its own."""
+    name = statistics.pantograph().name
+    widths = {f"{name}/sharp/mean": 0.2, f"{name}/sharp/5_20": 0.7, f"{name}/loss": 0.1}
+    accuracy = Accuracy("estimate", "so", 1, 2, 0.0, {**widths, "uplift": 0.002})
+    reference = load_references().get("en50318-2018-ac-simple-320")
+    rows = compare_with_reference(statistics, reference, accuracy=accuracy)
+    told = {row.quantity: row.error for row in rows if np.isfinite(row.error)}
+    assert told == {"mean": 0.2, "std_5_20": 0.7, "loss_percent": 0.1, "uplift": 0.002}
+    plain = compare_with_reference(statistics, reference)
+    assert all(np.isnan(row.error) for row in plain)
+    assert [replace(row, error=0.0) for row in rows] == [replace(row, error=0.0) for row in plain]
 
 
 @pytest.mark.parametrize(

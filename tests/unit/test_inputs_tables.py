@@ -310,6 +310,15 @@ def test_tables_as_people_own_them(tmp_path: Path) -> None:
     assert case.droppers.presag_by_span(2) == ((0.005,), (0.0,))
 
 
+def test_column_that_tells_a_side_is_no_wire(tmp_path: Path) -> None:
+    """A column "wire" with L and R names no wires of the case and is kept aside."""
+    table = "span;dropper;position [m];presag [mm];wire\n1;1;5,25;0;L\n1;2;27,5;0;R\n1;3;50;0;L\n"
+    (tmp_path / "d.csv").write_text(table, encoding="utf-8")
+    case = load_with(tmp_path, "line: {spans: 1}\ntables: {droppers: d.csv}\n")
+    assert isinstance(case.droppers, Droppers)
+    assert case.droppers.positions_by_span(1) == ((5.25, 27.5, 50.0),)
+
+
 def test_workbook_as_a_table(tmp_path: Path) -> None:
     """A sheet of a workbook stands for a table of a case."""
     book = openpyxl.Workbook()

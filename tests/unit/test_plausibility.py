@@ -203,6 +203,19 @@ def test_stagger_on_one_side() -> None:
     assert implausible_inputs(case.with_(track=bend)) == ()
 
 
+@pytest.mark.parametrize(("wire", "end_z", "told"), [
+    ("contact", 5.0, True), ("contact", 5.9, False), ("messenger", 5.0, False),
+])  # fmt: skip
+def test_stay_below_the_contact_wire(wire: str, end_z: float, told: bool) -> None:
+    """A stay of the contact wire that leads below it is in the way of pantographs."""
+    stay = {"name": "tie", "wire": wire, "span": 2, "at": 13.0, "end_y": 3.0, "stiffness": 1e5}
+    case = make_case({**LINE, "stays": [{**stay, "end_z": end_z}]})
+    found = [one for one in implausible_inputs(case) if one.topic == "stay"]
+    assert [("'tie'" in one.text, "stays[1].end_z" in one.cure) for one in found] == [
+        (True, True)
+    ] * told
+
+
 def test_base_spring_that_takes_the_force() -> None:
     """A spring of 40.7 kN/m on the roof leaves little of the force; the mean that acts is told."""
     stages = [{"mass": 8.0, "stiffness": 8e3, "damping": 30.0}, {"mass": 12.0, "stiffness": 40.7e3}]

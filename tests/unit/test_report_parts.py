@@ -311,3 +311,17 @@ def test_stitch_wires_share_an_entry_of_the_legend() -> None:
     curves = [one for one in figure.to_dict()["data"] if one.get("name") == "stitch wires"]
     assert len(curves) >= 3
     assert sum(curve["showlegend"] for curve in curves) == 1
+
+
+def test_wires_are_drawn_where_they_are() -> None:
+    """Between the points that are drawn, a wire lies within half a millimetre of where it is, its
+    sag within a tenth; fewer points than nodes are drawn."""
+    case = load_case("ac-simple", {"line.spans": 3, "settings.section": [1, 3]})
+    shape = find_shape(build(case))
+    x, _, z = shape.contact.position.T
+    sag = 1e3 * (shape.support_line(shape.wire_names.index("contact"), x) - z)
+    lines = [trace for trace in line_figure(case, shape, 1).data if trace.get("name") == "contact"]
+    for trace, own, off in zip(lines, (z, sag), (5.1e-4, 0.102), strict=False):
+        drawn = np.interp(x, trace["x"], trace["y"])
+        assert np.abs(drawn - own).max() < off
+        assert len(trace["x"]) < 0.7 * len(x)

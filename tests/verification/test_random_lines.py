@@ -13,9 +13,9 @@ from tautwire.cli.app import run_command_line
 from tautwire.errors import ModelError
 from tautwire.inputs.load import make_case
 
-from ..lines import found, out_of_balance
+from ..lines import entering, found, out_of_balance
 from ..random_lines import KINDS, random_line
-from .test_equalities import entering, force, mirrored
+from .test_equalities import force, mirrored
 
 SEEDS = range(30)
 IMPOSSIBLE = {16}
@@ -56,7 +56,7 @@ def test_mirrored_line_gives_the_same_force(seed: int) -> None:
     """With left and right exchanged the first half second is the same to 1e-5 N."""
     data = random_line(seed) | {"track": []}
     data["supports"]["contact_stagger"] = 0.2
-    system, given, _ = entering(data)
+    system, (given, *_) = entering(make_case(data))
     forces = [force(line, given, 0.5, tolerance=1e-12) for line in (system, mirrored(system))]
     assert np.abs(forces[0] - forces[1]).max() <= 1e-5
     assert np.ptp(forces[0]) > 10.0

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from tautwire.assessment.data import Record, read_file, read_library
 from tautwire.errors import InputError
 from tautwire.plain import Plain
+from tautwire.results.accuracy import Accuracy, error_of
 from tautwire.results.equilibrium import Elasticity
 from tautwire.results.statistics import PantographStatistics, RunStatistics
 from tautwire.units import parse_unit, to_unit
@@ -218,6 +219,8 @@ class ReferenceRow(Plain):
     reference, source, confidence, note : str
     is_carried : bool
         Whether mesh and time step carry the number of the run.
+    error : float
+        Half width of the numerical error bar of that number; NaN where none is known.
     """
 
     quantity: str
@@ -234,6 +237,7 @@ class ReferenceRow(Plain):
     confidence: str
     note: str
     is_carried: bool = True
+    error: float = math.nan
 
     @property
     def is_off(self) -> bool:
@@ -266,6 +270,7 @@ def compare_with_reference(
     reference: Reference,
     pantograph: str | None = None,
     filter: str | None = None,
+    accuracy: Accuracy | None = None,
 ) -> tuple[ReferenceRow, ...]:
     """Compare the statistics of a run with a published set of ranges or values.
 
@@ -277,6 +282,8 @@ def compare_with_reference(
         Name; by default the leading one.
     filter : {"sharp", "butterworth"}, optional
         By default the headline filter.
+    accuracy : Accuracy, optional
+        Numerical errors of the statistics, which are told beside the numbers.
 
     Returns
     -------
@@ -304,6 +311,7 @@ def compare_with_reference(
         replace(
             _row(reference, name, numbers[name], published, description),
             is_carried=_is_carried(entry, kind, name),
+            error=_error(accuracy, entry.name, kind, name),
         )
         for name, published in reference.values.items()
     )
@@ -317,6 +325,15 @@ def _is_carried(entry: PantographStatistics, kind: str, name: str) -> bool:
     if name.startswith("std_"):
         return part.carries(name.removeprefix("std_"))
     return name in ("mean", "uplift") or part.carries(f"0_{part.cutoff:g}")
+
+
+def _error(accuracy: Accuracy | None, who: str, kind: str, name: str) -> float:
+    """Return the numerical error of a number by the name a reference uses."""
+    if name == "uplift":
+        return error_of(accuracy, name)
+    if name == "loss_percent":
+        return error_of(accuracy, who, "loss")
+    return error_of(accuracy, who, kind, name.removeprefix("std_"))
 
 
 def compare_elasticity(

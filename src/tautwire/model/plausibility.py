@@ -98,7 +98,7 @@ def implausible_inputs(case: Case) -> tuple[Advice, ...]:
         Warnings; empty for a usual line.
     """
     found = [advice for name, wire in case.wires.named() for advice in _wire(name, wire)]
-    return (*found, *_staggers(case), *_rounded_presag(case), *_bodies(case))
+    return (*found, *_staggers(case), *_rounded_presag(case), *_bodies(case), *_stays(case))
 
 
 def implausible_shape(case: Case, shape: Equilibrium) -> tuple[Advice, ...]:
@@ -176,10 +176,8 @@ def _wire(name: str, wire: Wire) -> Iterator[Advice]:
 def _staggers(case: Case) -> Iterator[Advice]:
     """Tell that the wire stays on one side of straight track."""
     sides = np.sign(case.supports.contact_staggers(case.line.spans + 1))
-    turning = alignment(case.track, case.line).bending(case.line.support_positions())
-    sides[np.linalg.norm(turning, axis=-1) > _CURVED] = 0.0
-    bends = alignment(case.track, case.line).bending(case.line.support_positions())
-    sides = np.where(bends[:, :2].any(axis=1), 0.0, sides)
+    turning = alignment(case.track, case.line).plan_curvature(case.line.support_positions())
+    sides[np.abs(turning) > _CURVED] = 0.0
     first = 1
     for side, same in groupby(sides.tolist()):
         count = len(list(same))
@@ -221,6 +219,21 @@ def _bodies(case: Case) -> Iterator[Advice]:
                 f"by {1e3 * dip:.0f} mm between the droppers or supports beside it, {-b:.1f} m and "
                 f"{a:.1f} m away (usual: at most {1e3 * DIP:g} mm)",
                 "hang it on droppers at its ends, or check its mass (bodies)",
+            )
+
+
+def _stays(case: Case) -> Iterator[Advice]:
+    """Tell that a stay of a contact wire leads below it, where pantographs pass."""
+    heights, wires = case.supports.contact_heights(case.line.spans + 1), dict(case.wires.named())
+    for number, stay in enumerate(case.stays, 1):
+        wire = wires[stay.wire]
+        lowest = min(heights[stay.span - 1 : stay.span + 1])
+        if wire.role == "contact" and stay.end_z < lowest:
+            yield _warning(
+                "stay",
+                f"{stay.name!r} leads from the contact wire in span {stay.span}, at {lowest:g} m, "
+                f"down to {stay.end_z:g} m: pantographs that pass the wire meet it",
+                f"put its far end higher than the wire (stays[{number}].end_z)",
             )
 
 

@@ -209,7 +209,7 @@ def reference_view(run: Run, statistics: RunStatistics) -> list[Any]:
     library, name, speed = load_references(), run.case.name, run.case.scenario.speed
     every: list[ReferenceRow] = []
     for reference in library.of_case(name, speed):
-        rows = compare_with_reference(statistics, reference)
+        rows = compare_with_reference(statistics, reference, accuracy=run.accuracy)
         every += rows
         known = "remembered, not read" if reference.provisional else "published"
         known += ", for the line as published" if changed else ""
@@ -222,7 +222,7 @@ def reference_table(rows: Iterable[ReferenceRow]) -> Any:
     cells = [
         (
             _quantity_name(row.quantity),
-            marked(readable(row.value, row.unit), is_carried=row.is_carried),
+            marked(readable(row.value, row.unit, row.error), is_carried=row.is_carried),
             _published(row),
             _outcome(row),
         )

@@ -21,8 +21,9 @@ from tautwire.specs.case import Case
 Array = NDArray[np.float64]
 MESSENGER = "#6a7683"
 DROPPER = "#9aa5b0"
-FINEST = 5e-5
-"""How far a wire may be drawn from where it is [m]: half of the last digit that is told."""
+_FINEST = {1: 5e-4, 2: 1e-4, 3: 5e-4}
+"""How far a wire may be drawn from where it is, by panel [m]: a tenth of a pixel of the whole
+panel, which shows 1.5 m to 200 px, or 60 mm of sag to 70 px."""
 
 
 def line_figure(case: Case, shape: Equilibrium, first: int) -> Drawing:
@@ -171,7 +172,7 @@ def _add_wire(
     figure: Drawing, wire: WireShape, y: Array, line: dict[str, Any], row: int, text: str
 ) -> None:
     group, metres = _group(wire), 1.0 if row == 1 else 1e-3
-    points = simplified(np.column_stack([wire.position[:, 0], metres * y]), FINEST)
+    points = simplified(np.column_stack([wire.position[:, 0], metres * y]), _FINEST[row])
     figure.add_scatter(
         x=points[:, 0].astype(np.float32),
         y=(points[:, 1] / metres).astype(np.float32),

@@ -57,7 +57,7 @@ def force_blocks(view: RunView, *, named: bool) -> list[object]:
         _Comparison(
             _titled(reference),
             f"filter: {reference.filter}",
-            compare_with_reference(view.statistics, reference),
+            compare_with_reference(view.statistics, reference, accuracy=view.run.accuracy),
         )
         for reference in library.of_case(case.name, case.scenario.speed)
     ]
@@ -112,7 +112,7 @@ def _tables(found: Sequence[_Comparison], caption: str) -> list[Table]:
         own = next(row for row in matches if row is not None)
         cells: list[Cell] = [
             _quantity_name(name),
-            marked(readable(own.value, own.unit), is_carried=own.is_carried),
+            marked(readable(own.value, own.unit, own.error), is_carried=own.is_carried),
         ]
         for row in matches:
             cells += [MISSING, ""] if row is None else [_published(row), _outcome(row)]
