@@ -391,6 +391,20 @@ def test_raised_wires_keep_the_droppers_that_pull(rise: float | None) -> None:
     assert kept >= (0 if rise == 0.8 else 1)
 
 
+def test_droppers_of_two_messengers_at_one_place() -> None:
+    """Two droppers at one place of a raised wire, one of given length, hang together or not."""
+    data = overlapping()
+    one = data["droppers"]
+    wires = data["wires"]
+    wires["messenger-2"] = {**wires["messenger"], "role": "messenger", "side": 0.3}
+    lengths = [1.0] * len(one["positions"])
+    other = {**one, "from": "messenger-2", "mode": "length", "presag": None, "lengths": lengths}
+    model = build(Case.model_validate({**data, "droppers": [one, other]}))
+    places = [h.lower.s for h in model.line.hangers if h.upper.run == "T1 messenger-2"]
+    first = [h.lower.s for h in model.line.hangers if h.upper.run == "T1 messenger"]
+    assert set(places) == set(first) - {model.line.masts[4]}
+
+
 def test_head_on_two_half_wires_lifts_them_as_one() -> None:
     """Under a rigid head two half wires have the elasticity of the whole wire, to 1e-9."""
     values = []

@@ -28,8 +28,9 @@ constexpr double kReview = 0.5;
 // Steps of a call that tell how fast it was, and the part of what they tell that counts.
 constexpr int kTelling = 10;
 constexpr double kNew = 0.3;
-// A helper that is given nothing sleeps after so long [s]; between two calls of the engine pass 0.3 ms.
-constexpr double kIdle = 2e-3;
+// A helper that is given nothing sleeps after so long [s]; between two calls of the engine pass 0.1 to
+// 0.3 ms. Of the parts of an extrapolated passage only one works at a time.
+constexpr double kIdle = 0.5e-3;
 // Turns of a waiting loop between two looks at the clock, about 1 us. No instruction that tells the
 // processor of the waiting: on virtual machines thousands of them hand it over to the host, and parts
 // then take twice as long.

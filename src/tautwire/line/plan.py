@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautwire.errors import ModelError
+from tautwire.line.measures import SAME_PLACE
 from tautwire.numerics.track import Track
 from tautwire.specs.case import Case
 from tautwire.specs.line.catenary import Ends
@@ -187,6 +188,8 @@ def _last_carried(
     (length, height), before, last = rise, (0.0, 0.0), 0.0
     for d, p in rows:
         d0, p0 = before
+        if d - d0 < SAME_PLACE:  # two wires above hold it here
+            continue
         kink = (height + p) / (length - d) + (p - p0) / (d - d0)
         if 0.5 * load * (length - d0) - tension * kink > LEAST_SHARE * load * (d - d0):
             last = d
