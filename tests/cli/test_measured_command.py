@@ -74,6 +74,26 @@ def test_hard_spots_are_events(invoke: Invoke, tmp_path: Path) -> None:
     assert told["steps"][-1]["source"] == "given"
 
 
+def test_aerodynamic_force_by_direction(invoke: Invoke, tmp_path: Path) -> None:
+    """The force of a table is added at the speed of the run, by direction, with and without
+    strips; the step says so. A table without the direction, or that falls, is refused."""
+    path = _recording(tmp_path / "run.csv")
+    table = tmp_path / "air.csv"
+    table.write_text("speed [km/h],force [N],reversed [N]\n100,-2,-4\n300,-10,-12\n")
+    plain = invoke("measured", path, "--json").document["force"]["mean"]
+    for options, added, word in (((), -6.0, "forward"), (("--reversed",), -8.0, "reversed")):
+        told = invoke("measured", path, "--air", table, *options, "--json")
+        assert told.code == 0, told.err
+        assert told.document["force"]["mean"] == pytest.approx(plain + added, abs=1e-6)
+        step = told.document["steps"][1]
+        assert (step["name"], step["direction"]) == ("aerodynamic correction", word)
+    table.write_text("speed [km/h],force [N]\n300,-10\n100,-2\n")
+    refused = invoke("measured", path, "--air", table, "--reversed")
+    assert refused.code == 2
+    assert "the speeds must increase" in refused.err
+    assert "add a column 'reversed [N]'" in refused.err
+
+
 def test_refusals_have_a_cure(invoke: Invoke, tmp_path: Path) -> None:
     """Without speed and time the option is named, and giving it helps."""
     path = tmp_path / "bare.csv"

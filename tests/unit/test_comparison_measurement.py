@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from tautwire.assessment.comparison.measurement import (
     MeasurementRow,
     compare_with_measurement,
 )
+from tautwire.assessment.comparison.stretches import length_figures
 from tautwire.errors import InputError
+from tautwire.inputs.load import load_case
 from tautwire.measured.evaluation import Treatment
 from tautwire.measured.recording import Recording
 from tautwire.report.pages.comparison_page import compose_comparison
@@ -150,6 +153,27 @@ def test_percentiles_and_spans(run: Run) -> None:
         top = spectrum.abscissa[np.argsort(spectrum.value)[-8:]]
         assert np.abs(top - 1 / 55).min() < 2 * spectrum.resolution
         assert np.abs(top - 1 / 5.75).min() < 2 * spectrum.resolution
+
+
+def test_figures_by_tension_length() -> None:
+    """Of two tension lengths that overlap both have what lies in the overlap; what was not measured
+    counts on neither side, and a line of one has no such table."""
+    case = load_case("ac-simple-curve")
+    masts = np.array(case.line.support_positions())
+    line: Any = SimpleNamespace(case=case, equilibrium=SimpleNamespace(mast_x=masts))
+    ends = [one.masts for one in case.tension_lengths]
+    assert len(ends) == 2
+    place = np.arange(0.0, masts[-1], 0.5)
+    force = 100.0 + 30.0 * (place >= masts[ends[1][0] - 1])
+    measured = np.where(place < masts[1], np.nan, force - 5.0)
+    one, two = length_figures(line, place, force, measured)
+    assert (one.supports, two.supports) == tuple(ends)
+    assert (one.simulated["minimum"], one.simulated["maximum"]) == (100.0, 130.0)
+    assert (two.simulated["mean"], two.measured["mean"]) == (130.0, 125.0)
+    assert one.measured_share < 1.0
+    assert two.measured_share == pytest.approx(1.0)
+    alone: Any = SimpleNamespace(case=load_case("ac-simple"), equilibrium=line.equilibrium)
+    assert length_figures(alone, place, force, measured) == ()
 
 
 def test_own_sampling_and_direction(run: Run) -> None:

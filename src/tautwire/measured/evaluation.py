@@ -56,8 +56,7 @@ class Treatment:
         None for a force that is filtered already.
     masses : mapping of int to float kg
         Mass above the sensors by strip; without any, inertia is not corrected.
-    air_speed, air_force : tuple of float m/s, N
-        Table of the aerodynamic correction; empty for none.
+    air : AerodynamicCorrection or None
     stretch : float m
         Length of the stretches of the statistics where no marks tell spans.
     loss_below : float N
@@ -71,8 +70,7 @@ class Treatment:
 
     lowpass: Lowpass | None = field(default_factory=SharpLowpass)
     masses: Mapping[int, float] = field(default_factory=dict)
-    air_speed: tuple[float, ...] = ()
-    air_force: tuple[float, ...] = ()
+    air: AerodynamicCorrection | None = None
     stretch: float = 1000.0
     loss_below: float = 0.0
     high_above: float | None = None
@@ -280,8 +278,8 @@ def unfiltered_force(
     steps: list[ProcessingStep] = []
     if treatment.masses:
         steps.append(InertiaCorrection(treatment.masses))
-    if treatment.air_speed:
-        steps.append(AerodynamicCorrection(treatment.air_speed, treatment.air_force))
+    if treatment.air is not None:
+        steps.append(treatment.air)
     as_recorded = recording.contact_force is not None and not treatment.masses
     try:
         signal = process(clean, steps, as_recorded=as_recorded)

@@ -117,23 +117,28 @@ class InertiaCorrection:
 
 @dataclass(frozen=True)
 class AerodynamicCorrection:
-    """Add the aerodynamic force on what is above the sensors, a table over speed.
+    """Add the aerodynamic force on what is above the sensors, a table over speed by direction.
 
     Parameters
     ----------
     speed, force : tuple of float m/s, N
         Speeds increase; beyond the table the nearest value holds.
+    direction : str
+        Of running for which the table holds.
     """
 
     speed: tuple[float, ...]
     force: tuple[float, ...]
+    direction: str = "forward"
 
     def apply(self, signal: Processed) -> Processed:
         """See :class:`ProcessingStep`."""
         if signal.recording.speed is None:
             raise ValueError("the recording has no speed for the aerodynamic correction")
         added = np.interp(signal.recording.speed, self.speed, self.force)
-        parameters = {"speed_m_s": self.speed, "force_n": self.force}
+        parameters = {
+            "direction": self.direction, "speed_m_s": self.speed, "force_n": self.force,
+        }  # fmt: skip
         return _with(signal, Step("aerodynamic correction", parameters), signal.force + added)
 
 

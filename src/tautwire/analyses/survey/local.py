@@ -38,7 +38,8 @@ LEAD, TAIL = 2, 1
 """Spans between these and the places where the line is cut, along the way. The change of the force
 by a dropper of 20 mm in the middle of nine spans is then 18 % of its root mean square away from
 that of full passages; with one span before 30 %, with two behind 8 %, at a seventh more cost. Which
-droppers go slack depends on the whole passage."""
+droppers go slack depends on the whole passage. What ten corrections gain together is predicted no
+better with a span more on every side (0.22 N rms against 0.21 N on six lines)."""
 FRAME_INTERVAL = 1.0
 """Time between pictures of a passage of which none is looked at [s]."""
 

@@ -16,6 +16,12 @@ from numpy.typing import NDArray
 
 from tautwire.assessment.comparison.coverage import Coverage, coverage_of
 from tautwire.assessment.comparison.placement import Placement, place_on_line
+from tautwire.assessment.comparison.stretches import (
+    LengthFigures,
+    SpanFigures,
+    length_figures,
+    span_figures,
+)
 from tautwire.assessment.limits import Limits, Tolerance, limits_of
 from tautwire.errors import InputError
 from tautwire.measured.evaluation import (
@@ -30,7 +36,6 @@ from tautwire.measured.evaluation import (
 from tautwire.measured.faults import find_faults
 from tautwire.measured.processing import EvenDistance, Processed
 from tautwire.measured.recording import Recording
-from tautwire.measured.summary import stretch_statistics
 from tautwire.plain import Plain, named
 from tautwire.results.run import Run
 from tautwire.signals.bands import band_name, band_signal
@@ -96,17 +101,6 @@ class MeasurementRow(Plain):
     note: str
 
 
-@dataclass(frozen=True)
-class SpanFigures(Plain):
-    """Mean, deviation and extremes of both forces in one span [N], NaN where nothing is common."""
-
-    span: int
-    place: str
-    simulated: Mapping[str, float]
-    measured: Mapping[str, float]
-    measured_share: float
-
-
 @dataclass(frozen=True, eq=False)
 class MeasurementComparison(Plain):
     """Table and overlay of a simulated and a measured run.
@@ -124,6 +118,8 @@ class MeasurementComparison(Plain):
     percentiles : mapping of str to (float, float) N
         Force that a share of the way [%] lies below, simulated and measured.
     spans : tuple of SpanFigures
+    tension_lengths : tuple of LengthFigures
+        Empty for a line of one.
     coverage : Coverage
         What the comparison speaks of.
     placement : Placement
@@ -151,6 +147,7 @@ class MeasurementComparison(Plain):
     rows: tuple[MeasurementRow, ...]
     percentiles: Mapping[str, tuple[float, float]]
     spans: tuple[SpanFigures, ...]
+    tension_lengths: tuple[LengthFigures, ...]
     coverage: Coverage
     placement: Placement
     notes: tuple[str, ...]
@@ -267,7 +264,8 @@ def compare_with_measurement(
         end=float(position[-1]),
         rows=rows,
         percentiles=_percentiles(forces, known),
-        spans=_spans(run, position, forces),
+        spans=span_figures(run, position, forces[0][0], forces[1][0]),
+        tension_lengths=length_figures(run, position, forces[0][0], forces[1][0]),
         coverage=coverage_of(run, name, recording, (float(position[0]), float(position[-1]))),
         placement=placement,
         notes=tuple(dict.fromkeys(notes)),
@@ -387,34 +385,6 @@ def _percentiles(
         f"{share:g}": (float(a), float(b))
         for share, a, b in zip(PERCENTILES, simulated, measured, strict=True)
     }
-
-
-def _spans(run: Run, position: Array, forces: Sequence[Array]) -> tuple[SpanFigures, ...]:
-    """Return both forces span by span, over what was measured of each."""
-    line, supports = run.case.line, run.equilibrium.mast_x
-    first = int(np.searchsorted(supports, position[0], side="right"))
-    last = int(np.searchsorted(supports, position[-1], side="left"))
-    numbers = range(max(first, 1), min(last, len(supports) - 1) + 1)
-    edges = [float(supports[number - 1]) for number in (*numbers, numbers.stop)]
-    gaps = np.isnan(forces[1][0])
-    both = [
-        stretch_statistics(
-            position, np.where(gaps, np.nan, part[0]), edges, [str(n) for n in numbers]
-        )
-        for part in forces
-    ]
-    names = ("mean", "standard_deviation", "maximum", "minimum")
-    return tuple(
-        SpanFigures(
-            number,
-            line.place_of_support(number - 1),
-            {name: getattr(a, name) for name in names},
-            {name: getattr(b, name) for name in names},
-            b.measured_share,
-        )
-        for number, a, b in zip(numbers, *both, strict=True)
-        if b.measured_share > 0.0
-    )
 
 
 def _spectrum(position: Array, force: Array, recording: Recording) -> Spectrum | None:

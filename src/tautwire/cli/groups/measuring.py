@@ -57,6 +57,39 @@ MassOption = Annotated[
         show_default=False,
     ),
 ]
+HighOption = Annotated[
+    str | None,
+    typer.Option(
+        "--high",
+        metavar="FORCE",
+        help="Force above which an event is listed; mean plus three deviations by default.",
+        show_default=False,
+    ),
+]
+SearchOption = Annotated[
+    str | None,
+    typer.Option(
+        "--search",
+        metavar="LENGTH",
+        help="Largest error of the recorded positions; nearly half of the shortest span by "
+        "default, 0 m leaves them as they are.",
+        show_default=False,
+    ),
+]
+AirOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--air",
+        metavar="FILE",
+        help="Aerodynamic force on what is above the sensors, added over the speed: columns speed, "
+        "force, and reversed for the other direction.",
+        show_default=False,
+    ),
+]
+ReversedOption = Annotated[
+    bool,
+    typer.Option("--reversed", help="The pantograph runs the other way round, for --air."),
+]
 PointsOption = Annotated[
     Path | None,
     typer.Option(
@@ -88,18 +121,12 @@ def measured(
     speed: SpeedOption = None,
     strip_mass: MassOption = None,
     filtered: FilteredOption = False,
+    air: AirOption = None,
+    is_reversed: ReversedOption = False,
     stretch: Annotated[
         str, typer.Option("--every", metavar="LENGTH", help="Stretches of the statistics.")
     ] = "1 km",
-    high: Annotated[
-        str | None,
-        typer.Option(
-            "--high",
-            metavar="FORCE",
-            help="Force above which an event is listed; mean plus three deviations by default.",
-            show_default=False,
-        ),
-    ] = None,
+    high: HighOption = None,
     hard: Annotated[
         str | None,
         typer.Option(
@@ -129,7 +156,16 @@ def measured(
         from tautwire.cli.commands.measuring.measured import RecordingRequest, show_recording
 
         request = RecordingRequest(
-            file, mapping, speed, tuple(strip_mass or ()), filtered, stretch, high, hard
+            file,
+            mapping,
+            speed,
+            tuple(strip_mass or ()),
+            filtered,
+            stretch,
+            high,
+            hard,
+            air,
+            is_reversed,
         )
         show_recording(answer, request, out)
 
@@ -156,19 +192,13 @@ def compare(
             "--offset", metavar="LENGTH", help="Position in the model of the measurement's zero."
         ),
     ] = "0 m",
-    search: Annotated[
-        str | None,
-        typer.Option(
-            "--search", metavar="LENGTH",
-            help="Largest error of the recorded positions; nearly half of the shortest span by "
-            "default, 0 m leaves them as they are.",
-            show_default=False,
-        ),
-    ] = None,
+    search: SearchOption = None,
     mapping: MappingOption = None,
     speed: SpeedOption = None,
     strip_mass: MassOption = None,
     filtered: FilteredOption = False,
+    air: AirOption = None,
+    is_reversed: ReversedOption = False,
     limits: LimitsOption = None,
     points: PointsOption = None,
     elasticity_force: ElasticityForceOption = None,
@@ -192,7 +222,9 @@ def compare(
         from tautwire.cli.commands.measuring.measured import RecordingRequest
 
         masses = tuple(strip_mass or ())  # the path is that of each recording
-        reading = RecordingRequest(Path(), mapping, speed, masses, filtered)
+        reading = RecordingRequest(
+            Path(), mapping, speed, masses, filtered, air=air, is_reversed=is_reversed
+        )
         asked = (tuple(pantograph or ()), offset, search, limits, points, elasticity_force, project)
         request = ComparisonRequest(tuple(files), reading, *asked)
         compare_runs(answer, request, out)

@@ -21,6 +21,7 @@ from tautwire.report.parts.recordings.comparison import (
     UNCHECKED,
     coverage_rows,
     envelope_rows,
+    length_rows,
     number_row,
     outcome_of,
     percentile_rows,
@@ -203,6 +204,10 @@ def _force_blocks(run: Run, one: MeasurementComparison, suffix: str) -> tuple[ob
         Table("Span by span, over what was measured of each.", _SPAN_HEADS, "lrrrrrrrrr",
               tuple(span_rows(one)[:MOST_ROWS]), _GROUPS),
     ]  # fmt: skip
+    if one.tension_lengths:
+        heads = ("tension length", *_SPAN_HEADS[1:])
+        rows = tuple(length_rows(one))
+        blocks.append(Table("By tension length.", heads, "lrrrrrrrrr", rows, _GROUPS))
     spectra = {"simulated": one.simulated_spectrum, "measured": one.measured_spectrum}
     shown = [
         Curve(name, found.abscissa, found.value, look)

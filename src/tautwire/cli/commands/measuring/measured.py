@@ -14,6 +14,7 @@ from tautwire.cli.views.mapping_view import announce_recording
 from tautwire.cli.views.measured_view import evaluation_view
 from tautwire.errors import InputError
 from tautwire.files import write_text
+from tautwire.inputs.reading.air import load_air
 from tautwire.inputs.reading.recording import RecordingFile, open_recording
 from tautwire.measured.evaluation import Evaluation, Treatment, evaluate
 from tautwire.text import csv_text
@@ -33,6 +34,9 @@ class RecordingRequest:
     is_filtered : bool
     stretch : str
     high, hard : str or None
+    air : Path or None
+        Table of the aerodynamic correction.
+    is_reversed : bool
     """
 
     path: Path
@@ -43,6 +47,8 @@ class RecordingRequest:
     stretch: str = "1 km"
     high: str | None = None
     hard: str | None = None
+    air: Path | None = None
+    is_reversed: bool = False
 
     def opened(self, speed: float | None = None) -> RecordingFile:
         """Open the file; `speed` holds where none is given."""
@@ -56,6 +62,7 @@ class RecordingRequest:
         changes: dict[str, Any] = {"lowpass": None} if self.is_filtered else {}
         return Treatment(
             masses={number: mass or 0.0 for number, mass in enumerate(masses, 1)},
+            air=None if self.air is None else load_air(self.air, is_reversed=self.is_reversed),
             stretch=stretch or 1000.0,
             high_above=quantity("--high", self.high, "N", 0.0, 1e5),
             hard_above=quantity("--hard", self.hard, "m/s^2", 1.0, 1e5),

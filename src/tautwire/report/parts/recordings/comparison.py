@@ -9,6 +9,7 @@ from typing import Any
 from tautwire.assessment.comparison.coverage import Coverage
 from tautwire.assessment.comparison.measurement import MeasurementComparison, MeasurementRow
 from tautwire.assessment.comparison.points import PointComparison
+from tautwire.assessment.comparison.stretches import LengthFigures, SpanFigures
 from tautwire.report.parts.words import (
     MISSING,
     counted,
@@ -103,15 +104,27 @@ def outcome_of(compared: MeasurementComparison) -> str:
 
 def span_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
     """Return both forces span by span."""
-    names = ("mean", "standard_deviation", "maximum", "minimum")
     return [
-        (
-            " ".join(filter(None, (str(one.span), one.place))),
-            *(number(side[name]) for name in names for side in (one.simulated, one.measured)),
-            f"{100.0 * one.measured_share:.0f} %",
-        )
+        (" ".join(filter(None, (str(one.span), one.place))), *_both_forces(one))
         for one in compared.spans
     ]
+
+
+def length_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
+    """Return both forces by tension length."""
+    return [
+        (
+            f"{one.tension_length}, supports {one.supports[0]} to {one.supports[1]}",
+            *_both_forces(one),
+        )
+        for one in compared.tension_lengths
+    ]
+
+
+def _both_forces(one: SpanFigures | LengthFigures) -> tuple[str, ...]:
+    names = ("mean", "standard_deviation", "maximum", "minimum")
+    sides = (number(side[name]) for name in names for side in (one.simulated, one.measured))
+    return (*sides, f"{100.0 * one.measured_share:.0f} %")
 
 
 def percentile_rows(compared: MeasurementComparison) -> list[tuple[str, ...]]:
