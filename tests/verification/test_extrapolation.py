@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import tautwire as tw
+from tautwire.model.resolution import size
 from tautwire.numerics.motion import backend
 from tautwire.numerics.motion.stepper import StepBlock, StepOptions, Stepper
 from tautwire.numerics.network.system import System, weight_load
@@ -199,9 +200,11 @@ def test_two_pantographs_and_wires() -> None:
 
 
 def test_case_chooses_it() -> None:
-    """``settings.integrator: extrapolated`` is what ``--accurate`` sets; the run names it."""
+    """``settings.integrator: extrapolated`` is what ``--accurate`` sets; the run names it, and its
+    steps are foretold, six for one."""
     model, shape = line()
     case = model.case.with_(**{"settings.integrator": "extrapolated"})
+    assert size(case).steps == 6 * size(model.case).steps
     run = tw.simulate(tw.build(case), shape)
     assert run.counters["integrator"] == Extrapolated().describe()
     own = passed(Extrapolated(), tw.ConstantStep(1e-3))

@@ -10,6 +10,7 @@ from tautwire.line.expand import expand
 from tautwire.line.pieces import Line
 from tautwire.model.band import carried_by, longest_element
 from tautwire.model.mesh import divide, longest_elements
+from tautwire.numerics.motion.extrapolated_stepper import PARTS
 from tautwire.plain import Plain
 from tautwire.specs.case import Case
 from tautwire.specs.settings import STEPS_PER_PERIOD
@@ -121,4 +122,5 @@ def size(case: Case) -> Size:
     nodes = divide(line, case.settings, case.scenario.speed).node_count
     way = case.line.length() - 2.0 * case.settings.start
     steps = math.ceil(way / case.scenario.speed / case.settings.step())
-    return Size(len(line.hangers), 6 * nodes, max(steps, 0))
+    parts = sum(PARTS) if case.settings.integrator.method == "extrapolated" else 1
+    return Size(len(line.hangers), 6 * nodes, parts * max(steps, 0))

@@ -24,7 +24,7 @@ from tautwire.status import Status
 
 Array = NDArray[Any]
 
-_PARTS = (2, 4)
+PARTS = (2, 4)
 """Into how many a step is divided; the error of one over that of the other is 4."""
 _SMOOTH = ("wire_height", "stages", "observed")
 
@@ -46,7 +46,7 @@ class ExtrapolatedStepper:
     """
 
     def __init__(self, make: Callable[[int], Stepper]) -> None:
-        self.parts = tuple(make(count) for count in _PARTS)
+        self.parts = tuple(make(count) for count in PARTS)
         self._gap: Array | None = None
         """At the last step, ``(n_pantograph,)``; None before the first one."""
 
@@ -106,9 +106,9 @@ class ExtrapolatedStepper:
         start = self.mark()
         blocks = [
             part.advance(count * steps, None if time_step is None else time_step / count)
-            for part, count in zip(self.parts, _PARTS, strict=True)
+            for part, count in zip(self.parts, PARTS, strict=True)
         ]
-        done = [len(b.time) // count for b, count in zip(blocks, _PARTS, strict=True)]
+        done = [len(b.time) // count for b, count in zip(blocks, PARTS, strict=True)]
         common = min(done)
         if common < steps:
             status = blocks[done.index(common)].status
@@ -117,7 +117,7 @@ class ExtrapolatedStepper:
             return replace(block, status=status)
         long, short = (
             block.rows(count - 1, count * steps, count)
-            for block, count in zip(blocks, _PARTS, strict=True)
+            for block, count in zip(blocks, PARTS, strict=True)
         )
         block = _combined(long, short)
         self._gap = block.gap[-1]
