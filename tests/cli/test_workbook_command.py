@@ -89,3 +89,24 @@ def test_static_and_second_run_of_a_workbook(
     page = (tmp_path / "st" / "static.html").read_text(encoding="utf-8")
     assert "12/8" in page
     assert "12350.000" in page
+
+
+def test_tables_of_a_case_are_shown_as_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """How the columns of a table that a case names are read is shown, those kept aside named."""
+    monkeypatch.chdir(tmp_path)
+    table = "span,Hanger no.,Distance from mast [m],Pre-sag [mm],Bag\n1,1,10,0,A\n1,2,45,0,B\n"
+    Path("hangers.csv").write_text(table, encoding="utf-8")
+    text = "schema: 2\ninclude: ac-simple\nline: {spans: 1}\ntables: {droppers: hangers.csv}\n"
+    Path("line.yaml").write_text(text + "settings: {section: [1, 1]}\n", encoding="utf-8")
+    assert run_command_line(["check", "line.yaml"]) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    at = lines.index("hangers read as droppers")
+    assert lines[at + 1 : at + 6] == [
+        "span span",
+        "Hanger no. dropper",
+        "Distance from mast [m] position [m]",
+        "Pre-sag [mm] presag [mm]",
+        "Bag kept aside",
+    ]

@@ -41,6 +41,7 @@ from tautwire.specs.base import Spec
 from tautwire.specs.schema.upgrade import READ_VERSIONS, SCHEMA_VERSION, upgraded
 from tautwire.tables.columns import KINDS, Field, named_field
 from tautwire.tables.line import SECTIONS
+from tautwire.tables.mapping import SheetMapping
 from tautwire.text import shown
 
 MAX_DOCUMENTS = 100
@@ -101,6 +102,8 @@ class Composition:
         Top-level keys that lack the content of such a table, and mappings that lack what they use.
     shelf
         The catalogue with the own files of the case.
+    sheets
+        The tables of the line that its documents name, their columns matched.
     """
 
     label: str
@@ -109,6 +112,7 @@ class Composition:
     problems: list[str] = field(default_factory=list)
     incomplete: set[str] = field(default_factory=set)
     shelf: Shelf = field(default_factory=package_shelf)
+    sheets: list[SheetMapping] = field(default_factory=list)
 
 
 def compose(name_or_path: str | Path) -> Composition:
@@ -371,6 +375,7 @@ class _Composer:
                 mappings.append(line_sheet(kind, self._table_path(file, document)))
             except InputError as error:
                 self._miss(error, (kind,))
+        self.result.sheets += mappings
         try:
             found = line_tables(mappings)
         except InputError as error:

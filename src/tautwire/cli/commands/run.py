@@ -21,7 +21,7 @@ from tautwire.cli.json_text import to_json
 from tautwire.cli.progress import PassageWatch
 from tautwire.cli.session import FAILED, Answer, OutputError
 from tautwire.cli.views.documents import run_document
-from tautwire.cli.views.mapping_view import announce_workbook
+from tautwire.cli.views.mapping_view import announce_tables
 from tautwire.cli.views.run_view import run_view
 from tautwire.errors import ConvergenceError, InputError, ModelError
 from tautwire.files import write_text
@@ -76,7 +76,7 @@ def run_passage(answer: Answer, request: RunRequest) -> None:
         from tautwire.report.writers.pdf import require_pdf
 
         require_pdf()
-    announce_workbook(answer, request.case)
+    announce_tables(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
     if request.criteria.limits is None:
         limits_of(case)  # faults are told before the passage, not after it

@@ -25,7 +25,7 @@ from tautwire.cli.session import DONE, FAILED, Answer
 from tautwire.cli.views.conditions_view import conditions_view
 from tautwire.cli.views.design_view import lateral_view, masts_view
 from tautwire.cli.views.documents import static_document
-from tautwire.cli.views.mapping_view import announce_workbook
+from tautwire.cli.views.mapping_view import announce_tables
 from tautwire.cli.views.static_view import static_view
 from tautwire.cli.views.tables import heading
 from tautwire.errors import ConvergenceError
@@ -92,7 +92,7 @@ def find_static(answer: Answer, request: StaticRequest) -> None:
         from tautwire.report.writers.pdf import require_pdf
 
         require_pdf()
-    announce_workbook(answer, request.case)
+    announce_tables(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
     known_gauge(case.requirements.gauge)
     out, interrupts = request.out, Interrupts()

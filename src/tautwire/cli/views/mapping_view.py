@@ -1,38 +1,47 @@
-"""How the columns of a workbook or a recording were understood, shown and kept."""
+"""How the columns of tables or a recording were understood, shown and kept."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
 
 from tautwire.cli.session import Answer
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.files import write_text
 from tautwire.inputs.book.workbook import Workbook, case_of, is_workbook, open_workbook
+from tautwire.inputs.composition import compose
 from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.measured.channels import Channel
-from tautwire.tables.mapping import Use
+from tautwire.tables.mapping import SheetMapping, Use
 
 
-def announce_workbook(answer: Answer, reference: str) -> None:
-    """Show how a workbook is read and write the mapping where it was proposed; else do nothing."""
-    from pathlib import Path
-
+def announce_tables(answer: Answer, reference: str) -> None:
+    """Show how tables of a line are read, and write the mapping of a workbook if proposed."""
     if not is_workbook(reference):
+        _show(answer, compose(reference).sheets)
         return
     workbook = open_workbook(Path(reference))
     _, tables = case_of(workbook)
-    answer.document["mapping"] = {
-        one.sheet.name: {"table": one.kind, "columns": {u.heading: u.field.name for u in one.uses}}
-        for one in workbook.mappings
-    }
-    for one in workbook.mappings:
-        rows = [(use.heading, _meaning(use, use.unit)) for use in one.uses]
-        rows += [(name, "kept aside") for name in one.aside]
-        answer.show(heading(f"{one.sheet.name}", f"read as {one.kind}"), facts(rows))
+    _show(answer, workbook.mappings)
     for note in (*workbook.notes, *tables.notes):
         answer.say(note)
     if workbook.unread:
         answer.say(f"sheets that are no tables of a line: {', '.join(workbook.unread)}")
     _keep(answer, workbook)
+
+
+def _show(answer: Answer, mappings: Sequence[SheetMapping]) -> None:
+    if not mappings:
+        return
+    answer.document["mapping"] = {
+        one.sheet.name: {"table": one.kind, "columns": {u.heading: u.field.name for u in one.uses}}
+        for one in mappings
+    }
+    for one in mappings:
+        rows = [(use.heading, _meaning(use, use.unit)) for use in one.uses]
+        rows += [(name, "kept aside") for name in one.aside]
+        answer.show(heading(f"{one.sheet.name}", f"read as {one.kind}"), facts(rows))
 
 
 def _keep(answer: Answer, workbook: Workbook) -> None:

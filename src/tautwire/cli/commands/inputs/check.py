@@ -15,7 +15,7 @@ from tautwire.assessment.wave_quantities import WaveQuantity, wave_quantities
 from tautwire.cli.about import computation, program
 from tautwire.cli.session import REFUSED, Answer
 from tautwire.cli.views.design_view import checks_view
-from tautwire.cli.views.mapping_view import announce_workbook
+from tautwire.cli.views.mapping_view import announce_tables
 from tautwire.cli.views.tables import facts, heading, table
 from tautwire.errors import ConvergenceError, ModelError
 from tautwire.inputs.load import load_case
@@ -34,7 +34,7 @@ fine one does, at a tenth of the cost."""
 
 def check_case(answer: Answer, reference: str, overrides: Sequence[str]) -> None:
     """Check a case and show what it amounts to."""
-    announce_workbook(answer, reference)
+    announce_tables(answer, reference)
     case = load_case(reference, overrides)
     answer.say(program(case.settings.backend))
     known_gauge(case.requirements.gauge)

@@ -10,7 +10,7 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import program
 from tautwire.cli.commands.results import refuse_unwritable
 from tautwire.cli.session import Answer
-from tautwire.cli.views.mapping_view import announce_workbook
+from tautwire.cli.views.mapping_view import announce_tables
 from tautwire.cli.views.tables import facts, heading
 from tautwire.errors import InputError
 from tautwire.inputs.attached import with_project
@@ -54,7 +54,7 @@ def draw_plan(answer: Answer, request: DrawRequest) -> None:
             problems += error.problems
     if problems:
         raise InputError(problems)
-    announce_workbook(answer, request.case)
+    announce_tables(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
     answer.say(program(case.settings.backend))
     plan = layout_plan(case, find_shape(build(case)), scale=request.scale, paper=request.paper)
