@@ -18,11 +18,9 @@ from tautwire.inputs.completion import chosen_variants, own_files, shelf_with, w
 from tautwire.inputs.merge import merge, paths_of, with_table
 from tautwire.inputs.paths import (
     USE,
-    PathError,
     fields_by_key,
     find_target,
     format_path,
-    parse_path,
     spec_at,
     value_at,
 )
@@ -223,10 +221,10 @@ class _Composer:
         if trail:
             self.result.shelf = outer
         values = with_table(part.values, overlay)
-        kept = _still_true(part.sources, at, part.values, values)
+        kept = inheritance.still_true(part.sources, at, part.values, values)
         begun = self._of_template(template, values, at, document, trail)
         sources = inheritance.still_stated(sources, document.content, overlay, at)
-        return _Part(values, _united(begun, kept, from_tables, sources))
+        return _Part(values, inheritance.united(begun, kept, from_tables, sources))
 
     def _take_own_catalogue(self, given: Any, document: Document) -> None:
         """Put the own catalogue files of a document before what its includers brought."""
@@ -252,7 +250,9 @@ class _Composer:
                 f"the file is a copy: {', '.join(_library_names())}"
             )
         base = self.document(find_document(name, None), at, (*trail, document))
-        return inheritance.marked(_still_true(base.sources, at, base.values, values), name)
+        return inheritance.marked(
+            inheritance.still_true(base.sources, at, base.values, values), name
+        )
 
     def _refuse_endless(self, document: Document, trail: Trail) -> None:
         self._documents += 1
@@ -321,8 +321,8 @@ class _Composer:
     def _over(base: _Part, local: _Part, at: ValuePath) -> _Part:
         """Merge two parts of a mapping; sources of replaced numbers go."""
         merged = merge(base.values, local.values)
-        kept = _still_true(base.sources, at, base.values, merged)
-        return _Part(merged, _united(kept, local.sources))
+        kept = inheritance.still_true(base.sources, at, base.values, merged)
+        return _Part(merged, inheritance.united(kept, local.sources))
 
     def _value(self, value: Any, at: ValuePath, document: Document, trail: Trail) -> _Part:
         """Compose one value; the part holds it under the last step of its path."""
@@ -471,31 +471,3 @@ def _own_sources(sources: Any, at: ValuePath, label: str) -> Sources:
         else item
         for item in sources
     ]
-
-
-def _still_true(
-    sources: Sources, at: ValuePath, before: Mapping[str, Any], after: Mapping[str, Any]
-) -> Sources:
-    """Keep the sources of values that were not replaced."""
-    return [
-        source
-        for source in sources
-        if (path := _path_of(source)) is None
-        or value_at(before, path[len(at) :]) == value_at(after, path[len(at) :])
-    ]
-
-
-def _path_of(source: Any) -> ValuePath | None:
-    try:
-        return parse_path(source["path"])
-    except (PathError, TypeError, KeyError, AttributeError):
-        return None
-
-
-def _united(*lists: Sources) -> Sources:
-    """Join lists of sources; a later one replaces an earlier one of the same path."""
-    joined: dict[Any, Any] = {}
-    for number, source in enumerate(item for sources in lists for item in sources):
-        path = _path_of(source)
-        joined[path if path is not None else number] = source
-    return list(joined.values())

@@ -68,7 +68,28 @@ def still_stated(
     return kept
 
 
-def _path_of(source: Mapping[str, Any]) -> ValuePath | None:
+def still_true(
+    sources: list[Any], at: ValuePath, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> list[Any]:
+    """Keep the sources of values that were not replaced."""
+    return [
+        source
+        for source in sources
+        if (path := _path_of(source)) is None
+        or value_at(before, path[len(at) :]) == value_at(after, path[len(at) :])
+    ]
+
+
+def united(*lists: list[Any]) -> list[Any]:
+    """Join lists of sources; a later one replaces an earlier one of the same path."""
+    joined: dict[Any, Any] = {}
+    for number, source in enumerate(item for sources in lists for item in sources):
+        path = _path_of(source)
+        joined[path if path is not None else number] = source
+    return list(joined.values())
+
+
+def _path_of(source: Any) -> ValuePath | None:
     """Return the path of a source; None when it is malformed, which validation tells."""
     try:
         return parse_path(source["path"])

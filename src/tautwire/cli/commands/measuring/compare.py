@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tautwire.analyses.force.section import analysed_section
 from tautwire.analyses.force.statistics import support_uplift
@@ -31,7 +31,7 @@ from tautwire.files import write_text
 from tautwire.inputs.attached import load_project
 from tautwire.inputs.reading.recording import RecordingFile
 from tautwire.inputs.reading.survey import load_survey
-from tautwire.measured.evaluation import evaluate
+from tautwire.measured.evaluation import Treatment, evaluate
 from tautwire.measured.files.formats import is_computed
 from tautwire.model.build import build
 from tautwire.report.parts.recordings.comparison import (
@@ -124,32 +124,52 @@ class ComparisonRequest:
         return self.pantographs[number % len(self.pantographs)] if self.pantographs else None
 
 
+class _Options(NamedTuple):
+    """What the options of a comparison say, in SI, read before any file is opened."""
+
+    offset: float
+    search: float | None
+    elasticity_force: float | None
+    treatment: Treatment
+    limits: Limits | None
+    project: Project | None
+
+    @classmethod
+    def of(cls, request: ComparisonRequest) -> _Options:
+        return cls(
+            quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST) or 0.0,
+            quantity("--search", request.search, "m", 0.0, FARTHEST),
+            quantity("--elasticity-force", request.elasticity_force, "N", 1.0, 1e4),
+            request.reading.treatment(),
+            None if request.limits is None else load_limits(request.limits),
+            None if request.project is None else load_project(request.project),
+        )
+
+
 _Recorded = list[tuple[Run, MeasurementComparison]]
 _Pointed = list[tuple[Run, PointComparison]]
 
 
 def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -> None:
     """Compare stored runs with what was measured, show the tables and write the files asked for."""
-    limits = None if request.limits is None else load_limits(request.limits)
-    block = None if request.project is None else load_project(request.project)
+    options = _Options.of(request)
     pairs, paths = request.pairs(), request.runs()
     runs = dict(zip(paths, load_runs(paths), strict=True))
-    found = _recorded(answer, request, [(path, runs[path], other) for path, other in pairs], limits)
-    points = _pointed(answer, request, runs, limits)
+    found = _recorded(
+        answer, request, [(path, runs[path], other) for path, other in pairs], options
+    )
+    points = _pointed(answer, request, runs, options)
     if out is not None:
-        _write_files(answer, out, found, points, block)
+        _write_files(answer, out, found, points, options.project)
 
 
 def _recorded(
     answer: Answer,
     request: ComparisonRequest,
     pairs: Sequence[tuple[Path, Run, Path]],
-    limits: Limits | None,
+    options: _Options,
 ) -> _Recorded:
     """Compare runs with recordings and show what is found."""
-    offset = quantity("--offset", request.offset, "m", -FARTHEST, FARTHEST) or 0.0
-    search = quantity("--search", request.search, "m", 0.0, FARTHEST)
-    treatment = request.reading.treatment()
     opened: dict[Path, RecordingFile] = {}
     found: _Recorded = []
     told: list[dict[str, Any]] = []
@@ -159,13 +179,13 @@ def _recorded(
             opened[path] = reading.opened(run.case.scenario.speed)
             announce_recording(answer, opened[path])
         recording = opened[path].recording
-        geometry = compare_geometry(run, recording, offset=offset)
+        geometry = compare_geometry(run, recording, offset=options.offset)
         about = {"run": str(run_file), "case": run.case.name, "status": run.status}
         told.append({**about, "geometry": [row.as_dict() for row in geometry]})
         answer.warn([row.note for row in geometry if row.note])
         if not len(recording.forces):
             told[-1] |= {"measurement": recording.label, "notes": list(recording.notes)}
-            told[-1]["evaluation"] = evaluate(recording, treatment).as_dict()
+            told[-1]["evaluation"] = evaluate(recording, options.treatment).as_dict()
             answer.warn(recording.notes)
             answer.show(
                 heading("Comparison with a measurement", f"{run_file} and {recording.label}"),
@@ -176,10 +196,10 @@ def _recorded(
             run,
             recording,
             pantograph=request.pantograph_of(number, len(pairs)),
-            treatment=treatment,
-            offset=offset,
-            search=search,
-            limits=limits,
+            treatment=options.treatment,
+            offset=options.offset,
+            search=options.search,
+            limits=options.limits,
         )
         found.append((run, compared))
         told[-1] |= compared.as_dict()
@@ -195,10 +215,9 @@ def _pointed(
     answer: Answer,
     request: ComparisonRequest,
     runs: Mapping[Path, Run],
-    limits: Limits | None,
+    options: _Options,
 ) -> _Pointed:
     """Compare elasticity and uplift at places with every run, and show what is found."""
-    force = quantity("--elasticity-force", request.elasticity_force, "N", 1.0, 1e4)
     found: _Pointed = []
     told: list[dict[str, Any]] = []
     for path, run in runs.items() if request.points is not None else ():
@@ -206,10 +225,10 @@ def _pointed(
         survey = load_survey(request.points, run.case)
         curve = None
         if survey.of("elasticity"):
-            curve = elasticity(build(run.case), run.equilibrium, force=force)
+            curve = elasticity(build(run.case), run.equilibrium, force=options.elasticity_force)
         section = analysed_section(run, (1, run.case.line.spans))
         uplift = support_uplift(run, section).uplift
-        one = compare_points(run, survey, elasticity=curve, uplift=uplift, limits=limits)
+        one = compare_points(run, survey, elasticity=curve, uplift=uplift, limits=options.limits)
         found.append((run, one))
         told.append({"run": str(path), "case": run.case.name, **one.as_dict()})
         if curve is not None:
