@@ -210,7 +210,9 @@ def _comes_with_entry(path: Path, data: Data) -> bool:
     if spec is None or not isinstance(beside, Mapping) or path[-1] in beside:
         return False
     meanings = [meaning_of(str(key)) for key in beside if key not in fields_by_key(spec)]
-    names_entry = any(meaning is not None and meaning.key == USE for meaning in meanings)
+    names_entry = any(
+        meaning is not None and meaning.key.endswith(f".{USE}") for meaning in meanings
+    )
     return names_entry and _is_in_catalogue(path)
 
 
