@@ -59,8 +59,9 @@ class Passage:
 def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> Passage:
     """Plan the passage of all pantographs of the case.
 
-    Each pantograph enters at the same place (``settings.start`` from the anchor), at rest and just
-    touching the wire in its static position, when the train has brought it there. One without
+    Each pantograph enters at the same place, at rest and just touching the wire in its static
+    position, when the train has brought it there: ``settings.start`` from the anchor, or further
+    where the wires of the end spans leave the heads sideways to their anchors. One without
     uplift force is lowered and does not touch the wire. The spring on the roof carries nothing
     when the head is at the working height, wherever the line begins.
 
@@ -76,15 +77,16 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     Raises
     ------
     ModelError
-        When the line is too short for the last pantograph to cross the analysed section.
+        When the line is too short for the last pantograph to cross the analysed section, or the
+        wire lies beside a head in the section.
     """
     case = model.case
     length = case.line.length()
     sign = 1.0 if case.scenario.direction == "+x" else -1.0
-    start_x = case.settings.start if sign > 0 else length - case.settings.start
-    duration = (length - 2.0 * case.settings.start) / case.scenario.speed
-    _check_length(model, duration)
-    _check_sideways(model, shape)
+    start, told = _start(model, shape)
+    start_x = start if sign > 0 else length - start
+    duration = (length - 2.0 * start) / case.scenario.speed
+    _check_length(model, start, duration)
     height = float(shape.running_height(np.array(start_x)))
     surface = surface_profile(model.irregularities)
     height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
@@ -105,12 +107,12 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
         )
         for spec, force in zip(case.pantographs, forces, strict=True)
     )
-    warnings = [
+    warnings = told + [
         text
         for spec, force in zip(case.pantographs, forces, strict=True)
         for text in _base_spring_warning(spec, force, running)
     ]
-    latest = (length - case.settings.start - ROOM_AT_END) / case.scenario.speed
+    latest = (length - start - ROOM_AT_END) / case.scenario.speed
     return Passage(inputs, tuple(forces), duration, latest, tuple(warnings))
 
 
@@ -182,8 +184,14 @@ def _roof(spec: Pantograph) -> RoofMotion | None:
     return RoofMotion(np.array(spec.roof_motion.time), np.array(spec.roof_motion.height))
 
 
-def _check_sideways(model: Model, shape: Equilibrium) -> None:
-    """Refuse a line on which no contact wire lies on a head where pantographs pass."""
+def _start(model: Model, shape: Equilibrium) -> tuple[float, list[str]]:
+    """Return how far from the ends of the line the passage begins and ends [m], and what to tell.
+
+    Raises
+    ------
+    ModelError
+        Where no contact wire lies on a head in or beside the analysed section.
+    """
     case = model.case
     start = case.settings.start
     s = np.linspace(start, case.line.length() - start, _POINTS_PER_SPAN * case.line.spans)
@@ -195,22 +203,28 @@ def _check_sideways(model: Model, shape: Equilibrium) -> None:
         axis=0,
     )
     shortest = min(case.pantographs, key=lambda pantograph: pantograph.head_length)
+    missed = s[beside > 0.5 * shortest.head_length]
+    if not missed.size:
+        return start, []
     worst = int(np.argmax(beside))
-    if beside[worst] <= 0.5 * shortest.head_length:
-        return
     span = int(np.clip(np.searchsorted(model.line.masts, s[worst]), 1, case.line.spans))
-    raise ModelError(
+    told = (
         f"the contact wire leaves the head of pantograph {shortest.name!r} sideways: in span "
         f"{span}, x = {s[worst]:.1f} m, it lies {beside[worst]:.2f} m from the middle of the "
-        f"track, and half the head is {0.5 * shortest.head_length:g} m; change the stagger there "
-        "(supports.contact_stagger; in a curve the wires run inside the arc between supports), "
-        "make the spans shorter (line.span_length) or give the head its length "
-        f"(pantographs.head_length){_later_start(case, s[beside > 0.5 * shortest.head_length])}"
+        f"track, and half the head is {0.5 * shortest.head_length:g} m"
     )
+    later = _later_start(case, missed)
+    if later is None:
+        raise ModelError(
+            f"{told}; change the stagger there (supports.contact_stagger; in a curve the wires run "
+            "inside the arc between supports), make the spans shorter (line.span_length) or give "
+            "the head its length (pantographs.head_length)"
+        )
+    return later, [f"{told}; the passage keeps {later:g} m from the ends of the line"]
 
 
-def _later_start(case: Case, missed: Array) -> str:
-    """Return a start from which no head misses the wire, as a further cure; empty if there is none.
+def _later_start(case: Case, missed: Array) -> float | None:
+    """Return the least start from which no head misses the wire; None if the section is in the way.
 
     Parameters
     ----------
@@ -220,26 +234,26 @@ def _later_start(case: Case, missed: Array) -> str:
     """
     length, x = case.line.length(), case.line.support_positions()
     first, last = case.resolved_section()
-    start = math.floor(float(np.minimum(missed, length - missed).max())) + 2  # beyond its point
+    start = math.floor(float(np.minimum(missed, length - missed).max())) + 2.0  # beyond its point
     is_before = missed < x[first - 1]
     if not np.all(is_before | (missed > x[last])) or start > min(x[first - 1], length - x[last]):
-        return ""
-    return f"; or begin the passage where the wire lies on the head (settings.start: {start} m)"
+        return None
+    return start
 
 
-def _check_length(model: Model, duration: float) -> None:
+def _check_length(model: Model, start: float, duration: float) -> None:
     """Refuse a line that ends before the last pantograph has crossed the analysed section.
 
-    The last ``settings.start`` of the line, which no passage reaches, is left out.
+    The end of the line, which no passage reaches, is left out.
     """
     case = model.case
     first, last = case.resolved_section()
     x = case.line.support_positions()
     forward = case.scenario.direction == "+x"
     way = x[last] if forward else x[-1] - x[first - 1]
-    way = min(way, x[-1] - case.settings.start)
+    way = min(way, x[-1] - start)
     behind = case.pantographs[-1].behind
-    reached = case.settings.start + duration * case.scenario.speed - behind
+    reached = start + duration * case.scenario.speed - behind
     if reached < way - 1e-9:
         raise ModelError(
             f"the line is too short: when the leading pantograph reaches its end, pantograph "
