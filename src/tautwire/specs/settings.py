@@ -133,8 +133,8 @@ class Settings(Spec):
     )
     start: Annotated[float, Quantity("m", ge=0.0, le=1e5, typical="5 m")] = Field(
         default=5.0,
-        description="Distance from the anchor at which the leading pantograph starts; further where "
-        "the wires of the end spans lie beside the heads.",
+        description="Distance from the anchor at which the leading pantograph starts; further "
+        "where the wires of the end spans lie beside the heads.",
     )
     ramp: Annotated[float, Quantity("s", ge=0.0, le=100.0, typical="0.5 s")] = Field(
         default=0.5, description="Time over which the uplift force grows from 0 to its value."
