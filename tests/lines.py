@@ -32,6 +32,8 @@ Array = NDArray[Any]
 
 HAS_CORE = backend._load()[0] is not None
 """Whether the compiled core is installed and runs on this processor."""
+RUNNABLE = backend._native("auto").runnable if HAS_CORE else ()  # type: ignore[union-attr]
+"""Names of the sets of kernels that this processor runs, widest first."""
 NOTHING = np.empty(0, dtype=np.int64)
 CONTACT_WIRE = {"tension": 22e3, "mass": 1.35, "axial": 15e6, "bending": 195.0}
 """Tension [N], mass [kg/m], EA [N], EI [N m2] of the contact wire of AC simple."""

@@ -17,7 +17,16 @@ from tautwire.numerics.newmark import HHT, Integrator, Newmark
 from tautwire.specs.case import Case
 from tautwire.status import Status
 
-from ..lines import HAS_CORE, ac_simple, found, kinetic_energy, loaded, potential_energy, stepper
+from ..lines import (
+    HAS_CORE,
+    RUNNABLE,
+    ac_simple,
+    found,
+    kinetic_energy,
+    loaded,
+    potential_energy,
+    stepper,
+)
 from .test_general_lines import stitched
 
 Array = NDArray[np.float64]
@@ -168,6 +177,16 @@ def test_compiled_core_feeds_no_energy(nodes: int, record_validation: Callable[.
         allowed=(-100.0, 0.1),
         source="energy balance",
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kernels", [name for name in RUNNABLE if name != "plain"])
+def test_no_kernels_feed_energy(kernels: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor with lanes of any width, which divide the line otherwise and choose other rows."""
+    monkeypatch.setenv("TAUTWIRE_SIMD", kernels)
+    energy, slack = energies(undamped_line(6, settings__nodes_between_droppers=9), 20.0)
+    assert slack > 100
+    assert 0.97 < min(energy) <= max(energy) <= 1.001
 
 
 @pytest.mark.parametrize("corrects_waves", [False, True], ids=["plain", "waves corrected"])

@@ -23,12 +23,11 @@ from tautwire.numerics.newmark import HHT, Newmark
 from tautwire.status import Status
 from tautwire.studies.execution import executor
 
-from ..lines import HAS_CORE
+from ..lines import HAS_CORE, RUNNABLE
 
 pytestmark = pytest.mark.skipif(not HAS_CORE, reason="no compiled core here")
 
 ROOT = Path(__file__).parents[2]
-RUNNABLE = backend._native("auto").runnable if HAS_CORE else ()  # type: ignore[union-attr]
 LINES: dict[str, dict[str, Any]] = {
     "ac-simple-plane": {"line.spans": 10, "settings.nodes_between_droppers": 9},
     "ac-stitched": {"settings.nodes_between_droppers": 5},

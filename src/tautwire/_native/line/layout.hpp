@@ -79,7 +79,6 @@ struct RowSet {
         divide(layout);
     }
 
-    bool whole = true;
     Buffer<unsigned char> formed, solved;  // [row]
     int bounds[kMostParts + 1];            // first rows of the parts, and the row behind the last
     List<Run> runs[kMostParts];            // [part]

@@ -35,8 +35,8 @@ public:
     // with `always`. False when there are none. `look` is to be called before, for all parts.
     void look(const Buffer<Floats>& sizes, float bound, int part);
     bool choose(float bound, const List<int>& touched, bool always);
-    // Whether so many rows are chosen that an iteration everywhere costs no more, or all are solved for.
-    bool is_large() const { return rows.whole || rows.formed_rows() > kLarge * layout_.rows; }
+    // Whether so many rows are chosen that an iteration everywhere costs no more.
+    bool is_large() const { return rows.formed_rows() > kLarge * layout_.rows; }
 
     // Learn in the rows of a part from the increments of the iteration that followed on a choice: in
     // the chosen rows, or everywhere. `overlooked` is the largest increment where none above the
@@ -78,13 +78,15 @@ private:
     // 0.034 N. It is forgotten by kDecay a step where less is seen and grows by kGrowth where nothing
     // is, and is never taken to be less than kLeast, about where single precision ends.
     static constexpr float kSafety = 4.0f, kDecay = 0.8f, kGrowth = 1.03f, kLeast = 1e-3f;
-    // Part of the bound that an expected increment may reach: with 0.5 an undamped line of six spans
-    // with slackening droppers gains 0.1 % of its energy in 20 s, with 0.25 2e-6.
+    // Part of the bound that an expected increment may reach. With 0.5 an undamped line of six spans
+    // with slackening droppers gains 0.1 % (eight lanes) to 1.5 % (two) of its energy in 20 s, with
+    // 0.25 2e-6, and a step takes 1.12 of the time.
     static constexpr float kPart = 0.25f;
     // Increments below this part of the bound are too close to rounding to teach anything.
     static constexpr float kTold = 0.3f;
-    // Part of the rows from which on an iteration everywhere costs no more: it visits them in order.
-    static constexpr double kLarge = 0.6;
+    // Part of the rows from which on an iteration everywhere costs no more. 0.6 costs the same and
+    // lets the line of kPart gain 0.1 % with two lanes.
+    static constexpr double kLarge = 0.9;
 
     void forget() {
         for (Floats& share : share_) share = broadcast<Floats>(1.0);
@@ -133,7 +135,6 @@ inline bool Selection::choose(float bound, const List<int>& touched, bool always
         reach_[row] = kTouchPad;
         any = true;
     }
-    rows.whole = false;
     if (any) set_rows();
     return any;
 }
@@ -152,7 +153,6 @@ inline void Selection::set_rows() {
             row = forward ? layout_.after(row) : layout_.before(row);
         }
     }
-    rows.whole = std::memchr(rows.solved.data(), 0, rows.solved.size()) == nullptr;
     rows.divide(layout_);
 }
 
