@@ -60,5 +60,11 @@ def test_refuses_with_a_cure(invoke: Invoke, tmp_path: Path) -> None:
     assert refused.code == 2
     assert "mast M7" in refused.err
     assert "'high'" in refused.err
+    bad.write_text(
+        "span;dropper;contact height [m];accuracy [mm]\n1;1;5.3;0\n1;2;5.3;2\n", encoding="utf-8"
+    )
+    refused = invoke("as-built", case, bad)
+    assert refused.code == 2
+    assert "row 2: accuracy of 0 m; give the standard deviation" in refused.err
     bad.write_text("a;b\n1;2\n", encoding="utf-8")
     assert "no sheet is a survey" in invoke("as-built", case, bad).err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,8 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.errors import InputError, ModelError
 from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import build
-from tautwire.model.passage import plan_passage
+from tautwire.model.passage import Passage, plan_passage
+from tautwire.specs.case import Case
 
 HEAD = "schema: 2\ninclude: ac-simple\nname: mine\n"
 
@@ -187,26 +189,53 @@ def test_wire_that_leaves_the_head_sideways_is_told() -> None:
         plan_passage(model, shape, case.uplift_forces())
 
 
-def test_passage_begins_where_the_wire_lies_on_the_head() -> None:
-    """Where only the ends run off the head, the passage begins later, which is told."""
-    stagger = [0.95, 0.3, -0.2, 0.2, -0.2, 0.2, -0.3, 0.95]
+def _aside(left: float, right: float, section: list[int]) -> tuple[Case, Passage]:
+    """Return seven spans with the staggers at their ends [m], and what is planned over them."""
+    stagger = [left, 0.3, -0.2, 0.2, -0.2, 0.2, -0.3, right]
     case = make_case(
         {
             "include": "ac-simple",
             "line": {"spans": 7},
             "supports": {"contact_stagger": stagger},
-            "settings": {"section": [3, 5], "nodes_between_droppers": 4, "graded_mesh": False},
+            "settings": {"section": section, "nodes_between_droppers": 4, "graded_mesh": False},
         }
     )
     model = build(case)
-    shape = find_shape(model)
-    passage = plan_passage(model, shape, case.uplift_forces())
-    start = passage.pantographs[0].start_x
-    assert 10.0 < start < 30.0
-    assert passage.duration == pytest.approx(
-        (case.line.length() - 2.0 * start) / case.scenario.speed
-    )
+    return case, plan_passage(model, find_shape(model), case.uplift_forces())
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("right", [0.95, 0.2])
+def test_passage_begins_and_ends_where_the_wire_lies_on_the_head(
+    right: float, direction: str
+) -> None:
+    """Where only an end runs off the head, the passage keeps from that end, which is told."""
+    case, passage = _aside(0.95, right, [3, 5])
+    start, length = case.settings.start, case.line.length()
     (told,) = passage.warnings
-    assert told.endswith(f"the passage keeps {start:g} m from the ends of the line")
-    later = case.with_(**{"settings.start": start})
-    assert plan_passage(build(later), shape, case.uplift_forces()).warnings == ()
+    kept = re.search(r"keeps (\S+) m from the left end and (\S+) m from the right one$", told)
+    assert kept is not None
+    ends = [float(way) for way in kept.groups()]
+    assert 10.0 < ends[0] < 30.0
+    assert ends[1] == start if right == 0.2 else 5.0 < ends[1] < ends[0]  # steeper on the right
+    assert passage.duration == pytest.approx((length - sum(ends)) / case.scenario.speed)
+    assert passage.pantographs[0].start_x == ends[0]
+    case = case.with_(**{"scenario.direction": direction})
+    model = build(case)
+    passage = plan_passage(model, find_shape(model), case.uplift_forces())
+    entry = ends[0] if direction == "+x" else length - ends[1]
+    assert passage.pantographs[0].start_x == entry
+    way = case.scenario.speed * passage.latest
+    assert way == pytest.approx(length - abs(entry - (0.0 if direction == "+x" else length)) - 0.1)
+
+
+def test_late_start_tells_that_the_force_still_grows() -> None:
+    """Where a late start leaves too little way before the section, that is told as in 'check'."""
+    case, passage = _aside(0.95, 0.95, [2, 6])
+    way = 55.0 - passage.pantographs[0].start_x
+    ramp = case.settings.ramp * case.scenario.speed
+    assert way < ramp
+    assert passage.warnings[1].startswith(
+        f"the analysed section begins {way:.0f} m after this start, and the uplift force grows "
+        f"over {ramp:.0f} m"
+    )

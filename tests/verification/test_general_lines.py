@@ -16,6 +16,7 @@ from tautwire.analyses.road.dynamics import Choices, Simulation, simulate
 from tautwire.analyses.road.elasticity import elasticity
 from tautwire.analyses.road.shape import RESIDUAL, find_shape
 from tautwire.errors import ModelError
+from tautwire.inputs.load import load_case
 from tautwire.line.expand import expand
 from tautwire.model.build import build
 from tautwire.model.equations import equations
@@ -463,3 +464,25 @@ def test_impossible_lines_are_refused(changes: dict[str, Any], message: str) -> 
             data[part] = values
     with pytest.raises(ValidationError, match=message):
         Case.model_validate(data)
+
+
+@pytest.mark.parametrize("split", [0.0, 30.0, 60.0])
+def test_droppers_counted_from_masts_leave_a_wire_like_those_of_the_spans(split: float) -> None:
+    """Where a raised wire leaves its droppers does not depend on whether they are counted along the
+    span or from the mast on either side of it."""
+    case = load_case("ac-simple-overlap")
+    (one,) = case.dropper_sets
+    positions = [x - 55.0 if x > split else x for x in one.positions]
+    order = sorted(range(len(positions)), key=positions.__getitem__)
+    about = {
+        "droppers.about": "mast",
+        "droppers.positions": [positions[n] for n in order],
+        "droppers.presag": [one.presag[n] for n in order],
+    }
+    hung = [
+        {(one.lower.run, round(one.lower.s, 3)) for one in expand(told).hangers}
+        for told in (case, case.with_(**about))
+    ]
+    inside = [{place for place in places if 60.0 < place[1] < 985.0} for places in hung]
+    assert inside[0] == inside[1]
+    assert ("T1 contact", 505.25) in hung[0]

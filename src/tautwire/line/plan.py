@@ -145,24 +145,28 @@ def _raised(
 def _hung(case: Case, plan: Plan, wire: str, way: tuple[int, int]) -> list[tuple[float, float]]:
     """Return distance and pre-sag of the droppers of a wire on the way from one mast to the next.
 
-    Droppers of given length have no pre-sag.
+    Those counted from a mast may hang on either side of it. Droppers of given length are taken to
+    hold the wire where it would be without pre-sag: what they do is known with the shape only.
     """
     (start, end), masts, rows = way, case.line.support_positions(), []
+    sign = 1.0 if end > start else -1.0
+    stitches = {name for name, _ in case.wires.of_role("stitch")}  # none at a raised mast
     for one in case.dropper_sets:
         if one.lower != wire or one.tension_length not in (None, plan.name):
             continue
         about_span = one.about == "span"
-        index, host = (min(way), min(way)) if about_span else (start - 1, start)
         count = case.line.spans if about_span else case.line.spans - 1
-        positions = one.positions_by_span(count)[index]
-        drops = (
-            one.presag_by_span(count)[index] if one.mode == "height" else (0.0,) * len(positions)
-        )
-        sign = 1.0 if end > start else -1.0
-        rows += [
-            (sign * (masts[host] + position - masts[start]), drop)
-            for position, drop in zip(positions, drops, strict=True)
-        ]
+        positions, drops = one.positions_by_span(count), one.presag_by_span(count)
+        carriers = (start,) if one.upper in stitches else way
+        hosts = {min(way): min(way)} if about_span else {mast: mast - 1 for mast in carriers}
+        for host, index in hosts.items():
+            if index not in range(count):  # an anchor has no droppers of its own
+                continue
+            own = drops[index] if one.mode == "height" else (0.0,) * len(positions[index])
+            rows += [
+                (sign * (masts[host] + position - masts[start]), drop)
+                for position, drop in zip(positions[index], own, strict=True)
+            ]
     return sorted(row for row in rows if 0.0 < row[0] < abs(masts[end] - masts[start]))
 
 

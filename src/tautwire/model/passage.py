@@ -29,6 +29,14 @@ ROOM_AT_END = 0.1
 _POINTS_PER_SPAN = 101
 """Points over which the height of a span is averaged; the mean of 55 mm of sag is 0.1 mm off."""
 
+_LOOKS = 0.5
+"""Distance between the places where wires are sought on the heads [m]: one that runs 2 m aside over
+a span of 50 m moves by 2 cm."""
+
+_CLEAR = 2.0
+"""Distance of the first place under a wire from the last one that it misses, less than a metre more
+or less [m]."""
+
 BASE_SPRING_SHARE = 0.05
 """Share of the mean force beyond which the base spring's part in it is told."""
 
@@ -83,10 +91,11 @@ def plan_passage(model: Model, shape: Equilibrium, forces: Sequence[float]) -> P
     case = model.case
     length = case.line.length()
     sign = 1.0 if case.scenario.direction == "+x" else -1.0
-    start, told = _start(model, shape)
+    (left, right), told = _ends(model, shape)
+    start, end = (left, right) if sign > 0 else (right, left)
     start_x = start if sign > 0 else length - start
-    duration = (length - 2.0 * start) / case.scenario.speed
-    _check_length(model, start, duration)
+    duration = (length - start - end) / case.scenario.speed
+    _check_length(model, start, end)
     height = float(shape.running_height(np.array(start_x)))
     surface = surface_profile(model.irregularities)
     height += 0.0 if surface is None else float(surface.at(np.array(start_x)))
@@ -184,8 +193,8 @@ def _roof(spec: Pantograph) -> RoofMotion | None:
     return RoofMotion(np.array(spec.roof_motion.time), np.array(spec.roof_motion.height))
 
 
-def _start(model: Model, shape: Equilibrium) -> tuple[float, list[str]]:
-    """Return how far from the ends of the line the passage begins and ends [m], and what to tell.
+def _ends(model: Model, shape: Equilibrium) -> tuple[tuple[float, float], list[str]]:
+    """Return how near to the left and right ends of the line a passage comes [m]; what to tell.
 
     Raises
     ------
@@ -193,8 +202,8 @@ def _start(model: Model, shape: Equilibrium) -> tuple[float, list[str]]:
         Where no contact wire lies on a head in or beside the analysed section.
     """
     case = model.case
-    start = case.settings.start
-    s = np.linspace(start, case.line.length() - start, _POINTS_PER_SPAN * case.line.spans)
+    start, length = case.settings.start, case.line.length()
+    s = np.linspace(start, length - start, 1 + math.ceil(length / _LOOKS))
     beside = np.min(
         [
             np.abs(np.interp(s, wire.s, wire.position[:, 1], left=np.inf, right=np.inf))
@@ -205,7 +214,7 @@ def _start(model: Model, shape: Equilibrium) -> tuple[float, list[str]]:
     shortest = min(case.pantographs, key=lambda pantograph: pantograph.head_length)
     missed = s[beside > 0.5 * shortest.head_length]
     if not missed.size:
-        return start, []
+        return (start, start), []
     worst = int(np.argmax(beside))
     span = int(np.clip(np.searchsorted(model.line.masts, s[worst]), 1, case.line.spans))
     told = (
@@ -213,35 +222,53 @@ def _start(model: Model, shape: Equilibrium) -> tuple[float, list[str]]:
         f"{span}, x = {s[worst]:.1f} m, it lies {beside[worst]:.2f} m from the middle of the "
         f"track, and half the head is {0.5 * shortest.head_length:g} m"
     )
-    later = _later_start(case, missed)
-    if later is None:
+    ends = _inner_ends(case, missed)
+    if ends is None:
         raise ModelError(
             f"{told}; change the stagger there (supports.contact_stagger; in a curve the wires run "
             "inside the arc between supports), make the spans shorter (line.span_length) or give "
             "the head its length (pantographs.head_length)"
         )
-    return later, [f"{told}; the passage keeps {later:g} m from the ends of the line"]
+    kept = f"the passage keeps {ends[0]:g} m from the left end and {ends[1]:g} m from the right one"
+    return ends, [f"{told}; {kept}", *_short_ramp(case, ends)]
 
 
-def _later_start(case: Case, missed: Array) -> float | None:
-    """Return the least start from which no head misses the wire; None if the section is in the way.
+def _inner_ends(case: Case, missed: Array) -> tuple[float, float] | None:
+    """Return how near to the ends no head misses a wire [m]; None if the section is in the way.
 
     Parameters
     ----------
     case
     missed : (n,) m
-        Places where the wire does not lie on the head. A start counts from either end of the line.
+        Places where the wire does not lie on the head.
     """
     length, x = case.line.length(), case.line.support_positions()
     first, last = case.resolved_section()
-    start = math.floor(float(np.minimum(missed, length - missed).max())) + 2.0  # beyond its point
-    is_before = missed < x[first - 1]
-    if not np.all(is_before | (missed > x[last])) or start > min(x[first - 1], length - x[last]):
-        return None
-    return start
+    is_before, is_behind = missed < x[first - 1], missed > x[last]
+    aside = missed[is_before], length - missed[is_behind]
+    left, right = (
+        math.floor(way.max()) + _CLEAR if way.size else case.settings.start for way in aside
+    )
+    is_clear = left <= x[first - 1] and right <= length - x[last]
+    return (left, right) if is_clear and np.all(is_before | is_behind) else None
 
 
-def _check_length(model: Model, start: float, duration: float) -> None:
+def _short_ramp(case: Case, ends: tuple[float, float]) -> Iterator[str]:
+    """Tell that the uplift force grows into the analysed section from where the passage begins."""
+    first, last = case.resolved_section()
+    x = case.line.support_positions()
+    forward = case.scenario.direction == "+x"
+    way = x[first - 1] - ends[0] if forward else x[-1] - x[last] - ends[1]
+    ramp = case.settings.ramp * case.scenario.speed
+    if way < ramp:
+        yield (
+            f"the analysed section begins {way:.0f} m after this start, and the uplift force grows "
+            f"over {ramp:.0f} m (settings.ramp {case.settings.ramp:g} s); begin the section later "
+            "(settings.section), add spans, or shorten settings.ramp"
+        )
+
+
+def _check_length(model: Model, start: float, end: float) -> None:
     """Refuse a line that ends before the last pantograph has crossed the analysed section.
 
     The end of the line, which no passage reaches, is left out.
@@ -253,7 +280,7 @@ def _check_length(model: Model, start: float, duration: float) -> None:
     way = x[last] if forward else x[-1] - x[first - 1]
     way = min(way, x[-1] - start)
     behind = case.pantographs[-1].behind
-    reached = start + duration * case.scenario.speed - behind
+    reached = x[-1] - end - behind
     if reached < way - 1e-9:
         raise ModelError(
             f"the line is too short: when the leading pantograph reaches its end, pantograph "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.analyses.road.pipeline import run_line
+from tautwire.analyses.road.mean_force import tune_mean_force
 from tautwire.analyses.road.shape import find_design
 from tautwire.analyses.survey.as_built import with_values
 from tautwire.analyses.survey.corrections import Correction, built_values, corrections_of
 from tautwire.analyses.survey.kept import keep_passage, kept_passage
-from tautwire.analyses.survey.local import Passage, simulated
+from tautwire.analyses.survey.local import FRAME_INTERVAL, Passage, simulated
 from tautwire.analyses.survey.surveyed_line import SurveyedLine
 from tautwire.model.build import Model, build
 from tautwire.model.passage import working_height
@@ -106,12 +107,20 @@ def settled(case: Case) -> tuple[Case, float]:
     case : Case
     cpu : float s
         Processor time of the passages that a mean force asks for.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When they were stopped.
+    ConvergenceError
+        When one fails.
     """
     model = build(case)
     shape = find_design(model)
-    cpu = 0.0
+    begin = time.process_time()
     if case.scenario.target_mean_force() is not None:
-        case, cpu = _tuned(case, model, shape)
+        case = _tuned(case, model, shape)
+    cpu = time.process_time() - begin
     height = working_height(model, shape)
     raised = [
         one if one.working_height is not None else one.with_(working_height=height)
@@ -120,12 +129,14 @@ def settled(case: Case) -> tuple[Case, float]:
     return case.with_(pantographs=raised), cpu
 
 
-def _tuned(case: Case, model: Model, shape: Equilibrium) -> tuple[Case, float]:
+def _tuned(case: Case, model: Model, shape: Equilibrium) -> Case:
     """Return the case with the uplift forces that its mean force needs."""
-    run = run_line(model, shape)
+    run = tune_mean_force(model, shape, frame_interval=FRAME_INTERVAL)
+    if run.status != "done":
+        raise KeyboardInterrupt(run.message)
     forces = [float(record.uplift_force) for record in run.pantographs]
     changes: dict[str, Any] = {"scenario.mean_force": None, "scenario.uplift_force": forces}
-    return case.with_(**changes), float(run.counters["cpu_s"])
+    return case.with_(**changes)
 
 
 def whole_passage(case: Case, folder: Path | None) -> tuple[Passage, float]:

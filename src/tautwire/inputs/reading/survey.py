@@ -176,27 +176,39 @@ def _readings(table: _Table, case: Case, accuracy: float, problems: list[str]) -
             values = {name: cells[name] for name in _QUANTITIES if cells.get(name) is not None}
             if not values:
                 continue
-            _refuse_unlikely(values)
+            _refuse_unlikely(cells)
             place = _place(cells, case)
         except CellError as error:
             problems.append(f"{where}: {error}")
             continue
         own = cells.get("accuracy")
         for name, value in values.items():
-            usual = accuracy if own is None and name != "uplift" else float(own or math.nan)
-            spread = math.nan if name == "elasticity" else usual
+            spread = _spread(name, None if own is None else float(own), accuracy)
             quantity, size = cast("Quantity", name), float(value or 0.0)
             found.append(Reading(quantity, size, spread, **place, where=where))
     return found
 
 
+def _spread(name: str, own: float | None, accuracy: float) -> float:
+    """Return the accuracy of a reading, its own or that of all heights and lengths [m]."""
+    if name == "elasticity" or (own is None and name == "uplift"):
+        return math.nan
+    return accuracy if own is None else own
+
+
 def _refuse_unlikely(values: dict[str, float | str | None]) -> None:
-    """Refuse values that are in another unit than their heading says.
+    """Refuse values that are in another unit than their heading says, and errors of none.
 
     Raises
     ------
     CellError
     """
+    own = values.get("accuracy")
+    if own is not None and float(own) <= 0.0:
+        raise CellError(
+            f"accuracy of {float(own):g} m; give the standard deviation of the reading, which is "
+            "more than 0 (2 to 5 mm by laser), or leave it out for that of --accuracy"
+        )
     for name, (largest, unit, usual) in _LARGEST.items():
         value = values.get(name)
         if value is not None and abs(float(value)) > largest:
