@@ -246,6 +246,7 @@ class _Expansion:
             clamps=(one.clamp_messenger, one.clamp_contact),
             diameter=one.diameter,
             thermal_expansion=one.thermal_expansion,
+            raises=False,
         )
 
     def _raising(self) -> Iterator[Hanger]:
@@ -266,6 +267,7 @@ class _Expansion:
                     clamps=(one.clamp_messenger, one.clamp_contact),
                     diameter=one.diameter,
                     thermal_expansion=one.thermal_expansion,
+                    raises=True,
                 )
 
     def registrations(self, track: Track) -> Iterator[Registration]:

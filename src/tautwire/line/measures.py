@@ -53,10 +53,9 @@ def droppers_of_spans(line: Line, role: str = "contact") -> tuple[tuple[float, .
     overlap is none of them: no pantograph comes there.
     """
     names = {run.name for run in line.runs if run.role == role}
-    held = {piece.at for piece in line.registrations}
     found: list[list[float]] = [[] for _ in line.masts[1:]]
     for hanger in line.hangers:
-        if hanger.lower.run in names and hanger.lower not in held:
+        if hanger.lower.run in names and not hanger.raises:
             found[hanger.label.span - 1].append(hanger.lower.s)
     return tuple(
         tuple(round(s - left, _DIGITS) for s in _distinct(places))

@@ -127,6 +127,8 @@ class Hanger:
     clamps : (float, float) kg
         Upper and lower.
     diameter, thermal_expansion : float m, 1/K or None
+    raises : bool
+        Holds a contact wire that an overlap raises, at its support: no pantograph comes there.
     """
 
     label: HangerLabel
@@ -138,6 +140,7 @@ class Hanger:
     clamps: tuple[float, float]
     diameter: float | None
     thermal_expansion: float | None
+    raises: bool
 
 
 @dataclass(frozen=True)

@@ -66,11 +66,8 @@ def refuse_pushing_droppers(model: Model, forces: Array) -> None:
 def _cure_of_pushing(model: Model, hanger: Hanger) -> str:
     """Tell what makes a dropper pull that would have to push."""
     line, lower = model.line, hanger.lower
-    held = {piece.at for piece in line.registrations}
-    raised = [
-        one.lower.s for one in line.hangers if one.lower in held and one.lower.run == lower.run
-    ]
-    if lower.s in raised:
+    raised = [one.lower.s for one in line.hangers if one.raises and one.lower.run == lower.run]
+    if hanger.raises:
         return (
             "from this support on the wire rises too steeply to its anchor: lower "
             "overlaps.anchor_rise, or raise overlaps.rise"
@@ -245,6 +242,5 @@ def _crossing_wires(model: Model, shape: Equilibrium) -> Iterator[str]:
 
 def _carried(model: Model, run: str) -> tuple[float, float]:
     """Return the first and the last place at which droppers carry a run [m]."""
-    held = {piece.at for piece in model.line.registrations}
-    places = [h.lower.s for h in model.line.hangers if h.lower.run == run and h.lower not in held]
+    places = [h.lower.s for h in model.line.hangers if h.lower.run == run and not h.raises]
     return min(places, default=np.inf), max(places, default=-np.inf)
