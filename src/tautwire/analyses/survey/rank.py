@@ -1,8 +1,9 @@
 """Corrections of lines as built, in the order of what they do to the contact force.
 
 What a correction does is found by passages over the spans around it; see
-:mod:`tautwire.analyses.survey.local`. The first ten are computed once more, each on the line on
-which those before it are made: what two of them do together is not the sum of what each does alone.
+:mod:`tautwire.analyses.survey.local`. The first ten are computed once more, over more spans, each
+on the line on which those before it are made: what two of them do together is not the sum of what
+each does alone.
 The changes of the force, added up, predict standard deviation, maximum, minimum and loss. What the
 first ten really gain is computed by a passage over the whole line. Several tension lengths are
 ranked in one list.
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 
 from tautwire.analyses.survey.corrections import LEAST, Correction
 from tautwire.analyses.survey.kept import computed, in_order, processes
-from tautwire.analyses.survey.local import Felt, Passage, Place, place_of
+from tautwire.analyses.survey.local import LONG, SHORT, Felt, Passage, Place, Reach, place_of
 from tautwire.analyses.survey.whole import WholeLine, settled, whole_line, whole_passage
 from tautwire.errors import InputError
 from tautwire.specs.case import Case
@@ -195,9 +196,9 @@ def rank_lines(
     wholes = _whole_lines(lines, least)
     with processes(workers) as pool:
         work = _Work(wholes, pool, keep)
-        felt = work.felt(work.by_span(), ORDER_STEP, watch)
+        felt = work.felt(work.by_span(), SHORT, ORDER_STEP, watch)
         order = sorted(felt, key=lambda one: (-work.effect(one, felt[one]), one[0], one[1].row))
-        after = work.felt(work.one_after_another(order[:first]), 0.0, None)
+        after = work.felt(work.one_after_another(order[:first]), LONG, 0.0, None)
         passages = work.full(order[:first])
     found: list[list[_Found]] = [[] for _ in wholes]
     for place, one in enumerate(order, 1):
@@ -273,6 +274,7 @@ class _Work:
     def felt(
         self,
         wanted: Sequence[_Wanted],
+        reach: Reach,
         least_step: float,
         watch: Callable[[int, int], None] | None,
     ) -> dict[_Mark, Felt]:
@@ -280,7 +282,7 @@ class _Work:
         found: dict[_Mark, Felt] = {}
         if watch is not None:
             watch(0, len(wanted))
-        places = (self._place(one, least_step) for one in wanted)
+        places = (self._place(one, reach, least_step) for one in wanted)
         for count, (at, felt, cpu) in enumerate(computed(places, self.pool, self.keep), 1):
             line = wanted[at].line
             marks = [(line, one) for one in wanted[at].corrections]
@@ -290,10 +292,10 @@ class _Work:
                 watch(count, len(wanted))
         return found
 
-    def _place(self, wanted: _Wanted, least_step: float) -> Place:
+    def _place(self, wanted: _Wanted, reach: Reach, least_step: float) -> Place:
         whole, own = self.wholes[wanted.line], wanted.corrections
         values, span = wanted.values, own[0].span
-        return place_of(whole.line, whole.case, values, span, own, least_step=least_step)
+        return place_of(whole.line, whole.case, values, span, own, reach, least_step=least_step)
 
     def full(self, made: Sequence[_Mark]) -> list[tuple[Passage, Passage]]:
         """Return the passages over each line as built, and with its part of some corrections."""
