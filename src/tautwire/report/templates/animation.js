@@ -1,7 +1,7 @@
 "use strict";
 /* The pantograph under the line: a canvas, no library. Heights are exaggerated by one factor for
    everything that is drawn above the track; the pantograph itself is a symbol, not to scale. */
-(() => {
+(async () => {
   const holder = document.getElementById("film");
   if (!holder) return;
 
@@ -12,18 +12,27 @@
   const FONT = '12px system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif';
 
   /* ---- data ------------------------------------------------------------------------- */
-  const unpack = ({ dtype, data, low, step }) => {
-    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
-    const view = new { f4: Float32Array, u1: Uint8Array }[dtype](bytes.buffer);
-    return step === undefined ? view : Float32Array.from(view, (v) => low + step * v);
+  const inflate = (bytes) => new Response(
+    new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  const unpack = async ({ dtype, data, low, step, row }) => {
+    const buffer = await inflate(Uint8Array.from(atob(data), (c) => c.charCodeAt(0)));
+    const view = new { f4: Float32Array, u1: Uint8Array }[dtype](buffer);
+    if (step === undefined) return view;
+    for (let i = row; i < view.length; i += 1) view[i] += view[i - row]; // changes, modulo 256
+    return Float32Array.from(view, (v) => low + step * v);
   };
-  const unpackAll = (item) => {
-    if (Array.isArray(item)) return item.map(unpackAll);
+  const unpackAll = async (item) => {
+    if (Array.isArray(item)) return Promise.all(item.map(unpackAll));
     if (item === null || typeof item !== "object") return item;
     if ("dtype" in item) return unpack(item);
-    return Object.fromEntries(Object.entries(item).map(([k, v]) => [k, unpackAll(v)]));
+    const entries = Object.entries(item).map(async ([k, v]) => [k, await unpackAll(v)]);
+    return Object.fromEntries(await Promise.all(entries));
   };
-  const films = JSON.parse(document.getElementById("film-data").textContent).map(unpackAll);
+  if (typeof DecompressionStream === "undefined") {
+    holder.textContent = "The animation needs a browser of 2023 or later.";
+    return;
+  }
+  const films = await unpackAll(JSON.parse(document.getElementById("film-data").textContent));
 
   const below = (values, target) => {
     let low = 0, high = values.length - 1;

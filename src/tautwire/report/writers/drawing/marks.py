@@ -57,8 +57,11 @@ def places(found: Found, trace: Trace, letter: str) -> NDArray[np.float64]:
         order = {word: float(place) for place, word in enumerate(found.words[name])}
         return np.array([order[str(word)] for word in array(values)])
     if values is None:
-        other = array(trace.get("y" if letter == "x" else "x"))
-        return np.arange(len(other), dtype=float)
+        count = len(array(trace.get("y" if letter == "x" else "x")))
+        start, step = (
+            float(trace.get(name, d)) for name, d in ((f"{letter}0", 0), (f"d{letter}", 1))
+        )
+        return start + step * np.arange(count)
     return numbers(values)
 
 
