@@ -216,10 +216,53 @@ def gallery() -> str:
     return run_notebooks()
 
 
+def result_file_reference() -> str:
+    """Return one table per group of a result file."""
+    from tautwire.results import layout
+
+    root = (
+        *(layout.TIME, layout.NAMES, layout.STAGE_COUNT, *layout.RUN, *layout.DROPPERS),
+        *(*layout.PANTOGRAPH, *layout.PANTOGRAPH_SCALARS),
+    )
+    groups = {
+        "The file itself": root,
+        "Group `snapshots`: shapes of the wires now and then": layout.SNAPSHOTS,
+        "Group `events`: losses of contact, with a variable or adaptive step": layout.EVENTS,
+        "Group `irregularities`: what was drawn, where there are any": layout.IRREGULARITIES,
+        "Group `equilibrium`: the static line": layout.EQUILIBRIUM,
+        "Group `elasticity`": layout.ELASTICITY,
+    }
+    return "\n\n".join(_entries(title, entries) for title, entries in groups.items())
+
+
+def _entries(title: str, entries: tuple[Any, ...]) -> str:
+    rows = [_quantity(one.name, one.dimensions, one.units, one.text) for one in entries]
+    head = "| variable | over | unit | meaning |\n|---|---|---|---|\n"
+    return f"### {title}\n\n{head}" + "\n".join(rows)
+
+
+def _quantity(name: str, dimensions: tuple[str, ...], unit: str, text: str) -> str:
+    return f"| `{name}` | {', '.join(dimensions)} | {'' if unit == '1' else unit} | {text} |"
+
+
+def study_table_reference() -> str:
+    """Return the quantities of the table of a study."""
+    from tautwire.studies import columns
+
+    rows = [_quantity(name, (), "1", text) for name, text in columns.TEXTS.items()]
+    rows += [
+        _quantity(one.name, one.dimensions, one.unit, one.text)
+        for one in (*columns.KNOWN, *columns.COST)
+    ]
+    return "| quantity | one for each | unit | meaning |\n|---|---|---|---|\n" + "\n".join(rows)
+
+
 MARKERS: dict[str, Callable[[], str]] = {
     "<!-- input reference -->": input_reference,
     "<!-- command reference -->": command_reference,
     "<!-- span table reference -->": span_table_reference,
+    "<!-- result file reference -->": result_file_reference,
+    "<!-- study table reference -->": study_table_reference,
     "<!-- validation table -->": validation_table,
     "<!-- gallery -->": gallery,
 }

@@ -170,7 +170,7 @@ RESULTS = [
     Bad("unit of the offset", ("compare", "a.nc", "b.csv", "--offset", "2 kg"),
         ("--offset: got '2 kg', which is a mass", "a length [m]")),
     Bad("copy over a file", ("cases", "ac-simple", "--copy", "mine.yaml"),
-        ("mine.yaml: exists already", "another name"), _write("mine.yaml", "mine")),
+        ("mine.yaml: exists already", "--force"), _write("mine.yaml", "mine")),
     Bad("copy into nowhere", ("cases", "ac-simple", "--copy", "no/mine.yaml"), ("no", "folder")),
     Bad("copy of nothing", ("cases", "ac-simpel", "--copy", "mine.yaml"), ("ac-simpel", "holds")),
     Bad("copy without name", ("cases", "--copy", "mine.yaml"), ("--copy", "ac-simple")),

@@ -92,6 +92,18 @@ def test_tracks_of_the_inputs_page_are_tracks(root: Path) -> None:
     assert found[1].profile[1].radius == 8000.0
 
 
+def test_pantographs_of_the_inputs_page_are_pantographs(root: Path, tmp_path: Path) -> None:
+    """The pantographs written in ``docs/inputs.md`` run where they say, with their stages."""
+    text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")
+    case_file, found = tmp_path / "case.yaml", []
+    for piece in re.findall(r"```yaml\n(pantographs:.*?)```", text, re.DOTALL):
+        case_file.write_text(f"include: ac-simple\nname: case\n{piece}", encoding="utf-8")
+        found.append(tautwire.load_case(case_file).pantographs)
+    pair, own = found
+    assert [one.behind for one in pair] == [0.0, 200.0]
+    assert [one.mass for one in own[0].stages] == [7.5, 9.0, 6.0]
+
+
 def test_included_variant_loads(root: Path, tmp_path: Path) -> None:
     """The include example of ``docs/inputs.md`` replaces what it names and keeps the rest."""
     text = (root / "docs" / "inputs.md").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ from tautwire.analyses.road.shape import find_design
 from tautwire.assessment.design.lateral import LateralCheck, lateral_check
 from tautwire.errors import InputError
 from tautwire.formulas.lateral import Blown, lateral_position
-from tautwire.inputs.load import make_case
+from tautwire.inputs.load import load_case, make_case
 from tautwire.model.build import build
 from tautwire.specs.case import Case
 
@@ -122,3 +122,21 @@ def test_refusals(gauge: dict[str, Any], told: str) -> None:
     """An unknown rule or condition is refused with those that exist."""
     with pytest.raises(InputError, match=told):
         checked(single(gauge))
+
+
+@pytest.mark.parametrize(
+    "conditions", [[], [{"name": "storm", "wind": {"speed": 20, "from": "left"}}]]
+)
+def test_wind_of_the_gauge_asks_once_for_a_diameter(conditions: list[dict[str, Any]]) -> None:
+    """A wire without a diameter is told once, by what the user wrote."""
+    changes = {
+        "wires.contact.diameter": None,
+        "conditions": conditions,
+        "requirements": {"gauge": {"wind": WIND, "permissible": 0.4}},
+    }
+    with pytest.raises(InputError) as caught:
+        load_case("ac-simple", changes)
+    told = [one for one in caught.value.problems if "wires.contact.diameter" in one]
+    assert len(told) == 1
+    assert ("'storm' has wind" if conditions else "requirements.gauge has wind") in told[0]
+    assert "wind from the" not in told[0]

@@ -98,7 +98,7 @@ def copy_case(name: str, path: str | os.PathLike[str], *, force: bool = False) -
     if target.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"{target}: the copy is YAML; choose a name that ends in .yaml")
     if os.path.lexists(target) and (target.is_dir() or not force):
-        raise InputError(f"{target}: exists already; choose another name or remove it first")
+        raise InputError(f"{target}: exists already; choose another name, or --force")
     write_text(
         target, f"# Copied from '{name}' of the tautwire library.\n" + _as_own(text, name, target)
     )

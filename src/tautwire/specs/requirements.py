@@ -162,7 +162,18 @@ def check_gauge(
         listed = ", ".join(names) if names else "none; describe them under 'conditions'"
         text = f"got {gauge.condition!r}; the conditions are: {listed}"
         return [Problem(("requirements", "gauge", "condition"), text)]
-    return missing_numbers([gauge.state(conditions, "left")], wires, droppers)
+    told = {one.path for one in missing_numbers(conditions, wires, droppers)}
+    missing = missing_numbers([gauge.state(conditions, "left")], wires, droppers)
+    return [_asked_by_gauge(one) for one in missing if one.path not in told]
+
+
+def _asked_by_gauge(problem: Problem) -> Problem:
+    """Say that the gauge asks, in place of a condition that nobody wrote."""
+    text = (
+        "is missing: requirements.gauge has wind; give it, for example '12 mm', or take the "
+        "catalogue's with 'use'"
+    )
+    return Problem(problem.path, text)
 
 
 def check_requirements(line: Line, requirements: Requirements) -> list[Problem]:

@@ -59,7 +59,7 @@ def _copy_as_workbook(name: str, path: Path, *, force: bool) -> Path:
     """Write a case of the library as a workbook that begins a line of one's own."""
     case = load_case(name)
     if os.path.lexists(path) and (path.is_dir() or not force):
-        raise InputError(f"{path}: exists already; choose another name or remove it first")
+        raise InputError(f"{path}: exists already; choose another name, or --force")
     sources = [{**one.to_dict(), "template": name} for one in case.sources]
     own = case.with_(name=as_name(path.stem), title="", description="", sources=sources)
     return write_workbook(own, path)
