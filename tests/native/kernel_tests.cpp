@@ -32,6 +32,13 @@ private:
     std::uint64_t state_ = 1;
 };
 
+// Call work(part) for every part, from the first to the last or the other way round: what threads do
+// side by side may be done in any order.
+template <class F>
+void share(const Layout& layout, bool backwards, const F& work) {
+    for (int n = 0; n < layout.parts; ++n) work(backwards ? layout.parts - 1 - n : n);
+}
+
 // Every node has a slot of its own, and the offsets into arrays of rows lead to it.
 void test_layout() {
     for (int nodes : {2, 3, 7, 16, 61, 200}) {
@@ -51,29 +58,35 @@ void test_layout() {
     }
 }
 
-// Solve a dense system in place by Gauss-Jordan elimination; the matrix is positive definite.
+// Solve a dense system in place by Gaussian elimination; the matrix is positive definite.
 void solve_dense(Buffer<double>& a, Buffer<double>& x, int n) {
     for (int k = 0; k < n; ++k)
-        for (int i = 0; i < n; ++i) {
-            if (i == k) continue;
+        for (int i = k + 1; i < n; ++i) {
             const double factor = a[i * n + k] / a[k * n + k];
+            if (factor == 0.0) continue;  // most are: the couplings are few
             for (int j = k; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
             x[i] -= factor * x[k];
         }
-    for (int k = 0; k < n; ++k) x[k] /= a[k * n + k];
+    for (int k = n - 1; k >= 0; --k) {
+        for (int j = k + 1; j < n; ++j) x[k] -= a[k * n + j] * x[j];
+        x[k] /= a[k * n + k];
+    }
 }
 
 // A line of three wires of different lengths beside each other, all with stiffness, damping and mass,
-// joined by two ties of which one hangs slack, two clamps on neighbouring nodes, and held.
+// joined by two ties of which one hangs slack, two clamps on neighbouring nodes, and held; kTimes times
+// as long as the shortest.
+template <int kTimes>
 struct Example {
-    static constexpr int kNodes = 41, kEnds[3] = {16, 30, 40};
+    static constexpr int kNodes = 41 * kTimes;
+    static constexpr int kEnds[3] = {17 * kTimes - 1, 31 * kTimes - 1, 41 * kTimes - 1};
     double length[kNodes - 1], axial[kNodes - 1], bending[kNodes - 1], mass[kNodes - 1];
     double node_mass[kNodes] = {}, load[6 * kNodes] = {}, position[6 * kNodes] = {};
     bool fixed[6 * kNodes] = {};
     std::int64_t rank[kNodes];
-    std::int64_t tie_nodes[4] = {20, 6, 25, 11}, tie_law[2] = {1, 1};
+    std::int64_t tie_nodes[4] = {kEnds[0] + 4, 6, kEnds[0] + 9, 11}, tie_law[2] = {1, 1};
     double tie_length[2] = {0.9, 1.5}, tie_stiffness[2] = {2e5, 2e5};
-    std::int64_t clamp_nodes[4] = {22, 35, 23, 36};
+    std::int64_t clamp_nodes[4] = {kEnds[0] + 6, kEnds[1] + 5, kEnds[0] + 7, kEnds[1] + 6};
     double clamp_stiffness[2] = {1e7, 1e7}, clamp_offset[6] = {0.0, 0.0, 0.4, 0.0, 0.0, 0.4};
     LineData data = {};
 
@@ -153,31 +166,36 @@ void fill_dense(const Line& line, const Attachments& attached, const Factors& fa
 
 // Solve for a right-hand side with a matrix of the line as the sweeps do.
 template <class P>
-void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double kappa, Buffer<double>& x) {
+void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double kappa, bool backwards,
+              Buffer<double>& x) {
     const bool closed[1] = {true};
     const double compliance[1] = {1.0 / kappa};
     Buffer<Row> rows(layout.rows);
     for (int k = 0; k < 6 * layout.nodes; ++k) value(rows, layout, k / 6, k % 6) = b[k];
     const RowSet whole(layout);
-    const auto each_run = [&](auto work) {
-        for (int part = 0; part < layout.parts; ++part)
-            for (const Run& run : whole.runs[part]) work(part, run);
-    };
-    each_run([&](int part, const Run& run) {
-        for (int row = run.first; row <= run.last(); ++row)
-            matrix.eliminate(row, row == run.first, rows[row]);
-        matrix.end_run(whole, part, run);
+    share(layout, backwards, [&](int part) {
+        for (const Run& run : whole.runs[part]) {
+            for (int row = run.first; row <= run.last(); ++row)
+                matrix.eliminate(row, row == run.first, rows[row]);
+            matrix.end_run(whole, part, run);
+        }
     });
-    for (int part = 0; part < layout.parts; ++part) matrix.finish_elimination(whole, part);
-    for (int part = 0; part < layout.parts; ++part) matrix.project(whole, part);
+    const bool is_local = matrix.is_local(whole);
+    for (int part = 0; !is_local && part < layout.parts; ++part) matrix.finish_elimination(whole, part);
+    share(layout, backwards, [&](int part) {
+        if (is_local) matrix.finish_elimination(whole, part);
+        matrix.project(whole, part);
+    });
     expect(matrix.solve_couplings(closed, compliance), "couplings are positive definite");
-    for (int part = 0; part < layout.parts; ++part) matrix.apply_couplings(whole, part);
+    share(layout, backwards, [&](int part) { matrix.apply_couplings(whole, part); });
     Floats size = broadcast<Floats>(0.0), total = size;
-    each_run([&](int, const Run& run) {
-        typename P::Local local;
-        matrix.begin_substitution(whole, run, local);
-        for (int row = run.last(); row >= run.first; --row)
-            matrix.substitute(row, local, rows[row], size, total);
+    share(layout, backwards, [&](int part) {
+        for (const Run& run : whole.runs[part]) {
+            typename P::Local local;
+            matrix.begin_substitution(whole, run, local);
+            for (int row = run.last(); row >= run.first; --row)
+                matrix.substitute(row, local, rows[row], size, total);
+        }
     });
     for (int k = 0; k < 6 * layout.nodes; ++k) x[k] = value(rows, layout, k / 6, k % 6);
 }
@@ -191,70 +209,107 @@ double distance(const Buffer<double>& x, const Buffer<double>& y) {
     return error / largest;
 }
 
-// Wires with breaks, ties, clamps and a contact: both solvers solve the dense system of the line.
-void test_solvers() {
-    const Example example;
-    const Line line(example.data, 1.0);
-    Attachments attached(example.data, line);
-    const Layout& layout = line.layout;
-    Buffer<int> rank(layout.nodes);
-    for (int node = 0; node < layout.nodes; ++node) rank[node] = static_cast<int>(example.rank[node]);
+// A line in parts with one contact, a right-hand side, and the solution of its dense system.
+template <int kTimes>
+struct Problem {
+    static constexpr int kContact = 5, kSize = 6 * Example<kTimes>::kNodes;
+    static constexpr double kKappa = 0.05;
     const Factors factors = {1.0, 0.5e-3, 0.25e-6};
     const double rhs[2][6] = {{0.0, 0.0, 0.6, 0.0, 0.0, 0.1}, {0.0, 0.0, 0.4, 0.0, 0.0, -0.1}};
-    const double kappa = 0.05;
-    const int contact = 5, n = 6 * layout.nodes;
+    const Example<kTimes> example;
+    const Line line;
+    Attachments attached;
+    Buffer<int> rank;
+    Buffer<double> b, expected;
 
-    Buffer<Row> still(layout.rows), force(layout.rows);
-    const RowSet whole(layout);
-    for (int part = 0; part < layout.parts; ++part)
-        attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, whole, part);
-    for (int part = 0; part < layout.parts; ++part) attached.release(force, whole, part);
-    for (int n = 0; n < 2; ++n)
-        expect(attached.acting_ties()[n] == (attached.ties[n].number == 0), "one tie is taut, one slack");
-    bool is_clean = true;
-    for (int k = 0; k < n; ++k) is_clean &= value(force, layout, k / 6, k % 6) == 0.0;
-    expect(is_clean, "forces are taken away again exactly");
+    explicit Problem(int parts)
+        : line(example.data, 1.0, parts), attached(example.data, line), rank(line.layout.nodes), b(kSize),
+          expected(kSize) {
+        for (int node = 0; node < line.layout.nodes; ++node) rank[node] = static_cast<int>(example.rank[node]);
+        check_forces(false);
+        check_forces(true);
+        Buffer<double> dense(static_cast<std::size_t>(kSize) * kSize);
+        fill_dense(line, attached, factors, kContact, rhs, kKappa, dense);
+        Random random;
+        for (int k = 0; k < kSize; ++k)
+            expected[k] = b[k] = example.fixed[k] ? 0.0 : (k % 6 < 3 ? 1.0 : 0.1) * random();
+        solve_dense(dense, expected, kSize);
+    }
 
-    Buffer<double> dense(static_cast<std::size_t>(n) * n), b(n), expected(n), x(n);
-    fill_dense(line, attached, factors, contact, rhs, kappa, dense);
-    Random random;
-    for (int k = 0; k < n; ++k)
-        expected[k] = b[k] = example.fixed[k] ? 0.0 : (k % 6 < 3 ? 1.0 : 0.1) * random();
-    solve_dense(dense, expected, n);
+    // The forces of ties and clamps, which tell what acts.
+    void check_forces(bool backwards) {
+        const Layout& layout = line.layout;
+        Buffer<Row> still(layout.rows), force(layout.rows);
+        const RowSet whole(layout);
+        share(layout, backwards, [&](int part) {
+            attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, whole, part);
+        });
+        share(layout, backwards, [&](int part) { attached.release(force, whole, part); });
+        for (int n = 0; n < 2; ++n)
+            expect(attached.acting_ties()[n] == (attached.ties[n].number == 0), "one tie is taut, one slack");
+        bool is_clean = true;
+        for (int k = 0; k < kSize; ++k) is_clean &= value(force, layout, k / 6, k % 6) == 0.0;
+        expect(is_clean, "forces are taken away again exactly");
+    }
 
-    ExactSolver exact(line, attached, rank);
-    expect(exact.factor(factors, line.position, still), "the matrix of a line can be factored");
-    exact.add_contact(contact, rhs, kappa);
-    solve_by(exact, layout, b, kappa, x);
-    expect(distance(x, expected) <= 1e-9, "the exact solver solves the dense system");
+    // Solve in both orders of parts; return how far the solution is from that of the dense system.
+    template <class P>
+    double error_of(P& matrix) const {
+        Buffer<double> x(kSize), other(kSize);
+        solve_by(matrix, line.layout, b, kKappa, false, x);
+        solve_by(matrix, line.layout, b, kKappa, true, other);
+        bool same = true;
+        for (int k = 0; k < kSize; ++k) same &= x[k] == other[k];
+        expect(same, "the order in which parts are done changes no bit");
+        return distance(x, expected);
+    }
+};
 
-    Preconditioner fast(line, attached, rank);
-    expect(fast.factor(factors, line.position), "the chain of a line can be factored");
+// Wires with breaks, ties, clamps and a contact: both solvers solve the dense system of the line,
+// whole or in parts, which are felt in the next one only or, being short, in more of them.
+template <int kTimes>
+void test_solvers(int parts, bool are_long) {
+    Problem<kTimes> given(parts);
+    const Layout& layout = given.line.layout;
+    expect(layout.parts == parts, "rows are in as many parts as were asked for");
+    const Buffer<Row> still(layout.rows);
+
+    ExactSolver exact(given.line, given.attached, given.rank);
+    expect(exact.factor(given.factors, given.line.position, still), "the matrix of a line can be factored");
+    exact.add_contact(given.kContact, given.rhs, given.kKappa);
+    expect(given.error_of(exact) <= 1e-9, "the exact solver solves the dense system");
+
+    Preconditioner fast(given.line, given.attached, given.rank);
+    expect(fast.factor(given.factors, given.line.position), "the chain of a line can be factored");
+    expect(fast.is_local(RowSet(layout)) == are_long, "parts are as long as influence reaches, or shorter");
     fast.clear_contacts();
-    fast.add_contact(contact, rhs, kappa);
-    solve_by(fast, layout, b, kappa, x);
+    fast.add_contact(given.kContact, given.rhs, given.kKappa);
     // What is cut off couplings costs 0.002 each; geometric stiffness of ties is left out.
-    expect(distance(x, expected) <= 5e-3, "the preconditioner nearly solves the dense system");
+    expect(given.error_of(fast) <= 5e-3, "the preconditioner nearly solves the dense system");
 }
 
 // Rows are chosen round the ends of the pieces, and what was learned leaves them out again.
-void test_selection() {
-    const Layout layout(61 * kPieces);
+void test_selection(int parts, bool backwards) {
+    const Layout layout(61 * kPieces, parts);
     Selection selection(layout);
     Buffer<Floats> sizes(layout.rows);
     const List<int> touched;
     const auto choose = [&] {
-        for (int part = 0; part < layout.parts; ++part) selection.look(sizes, 1.0f, part);
+        share(layout, backwards, [&](int part) { selection.look(sizes, 1.0f, part); });
         for (Floats& size : sizes) size = broadcast<Floats>(0.0);
         return selection.choose(1.0f, touched, true);
     };
     const auto learn = [&] {
-        for (int part = 0; part < layout.parts; ++part) selection.learn(sizes, 1.0f, true, part);
+        share(layout, backwards, [&](int part) { selection.learn(sizes, 1.0f, true, part); });
         return selection.overlooked();
     };
     selection.begin(1e-3);
     expect(selection.verifies(), "a first step iterates everywhere");
     expect(!choose(), "nothing is chosen where nothing moves");
+    for (const int row : {10, 50}) {  // far from the bounds of both parts
+        sizes[row][1] = 2.0f;
+        expect(choose() && selection.rows.formed[row], "an increment in one part alone is chosen");
+    }
     sizes[0][1] = 2.0f;  // its neighbour is the end of piece 0
     expect(choose(), "an increment above the bound is chosen");
     const RowSet& rows = selection.rows;
@@ -273,6 +328,57 @@ void test_selection() {
     expect(!choose(), "a small share is learned");
     sizes[0][1] = 3.0f;
     expect(learn() == 3.0, "what is overlooked is told");
+}
+
+// Whether runs are the solved rows of their parts, all of them, and the parts about equal.
+bool is_divided(const RowSet& rows, const Layout& layout) {
+    int solved = 0, at = 0;
+    bool is = rows.bounds[0] == 0 && rows.bounds[layout.parts] == layout.rows;
+    for (int part = 0; part < layout.parts; ++part)
+        for (const Run& run : rows.runs[part]) {
+            is &= run.first >= at && rows.is_in(part, run.first) && rows.is_in(part, run.last());
+            at = run.last() + 1;
+            solved += run.count;
+        }
+    int formed[kMostParts] = {}, unequal = 0;
+    for (int part = 0; part < layout.parts; ++part)
+        formed[part] = rows.count_formed(part, 0, layout.rows - 1);
+    for (int part = 1; part < layout.parts; ++part) unequal = std::abs(formed[part] - formed[0]);
+    return is && solved == rows.solved_rows() && unequal <= layout.rows / 8;
+}
+
+// Looked at in two parts, increments of any size lead to the same rows as in one, and teach the same.
+void test_selection_in_parts() {
+    const Layout whole(61 * kPieces, 1), halves(61 * kPieces, 2);
+    Selection one(whole), two(halves);
+    Buffer<Floats> sizes(whole.rows);
+    List<int> touched;
+    touched.push(halves.bound(1));
+    Random random;
+    bool chosen = false, same = true, divided = true;
+    for (int step = 0; step < 60; ++step) {
+        one.begin(1e-3);
+        two.begin(1e-3);
+        const bool is_small = step % 3 > 0;  // some steps choose few rows, some nearly all
+        for (Floats& size : sizes)
+            for (int piece = 0; piece < kPieces; ++piece)
+                size[piece] = static_cast<float>(std::pow(std::fabs(random()), is_small ? 40.0 : 2.0));
+        const bool everywhere = step % 2 == 0;
+        one.learn(sizes, 0.5f, everywhere, 0);
+        share(halves, true, [&](int part) { two.learn(sizes, 0.5f, everywhere, part); });
+        same &= one.overlooked() == two.overlooked();
+        one.look(sizes, 0.5f, 0);
+        share(halves, true, [&](int part) { two.look(sizes, 0.5f, part); });
+        const bool any = one.choose(0.5f, touched, is_small);
+        chosen |= any;
+        same &= two.choose(0.5f, touched, is_small) == any;
+        for (int row = 0; row < whole.rows; ++row)
+            same &= one.rows.formed[row] == two.rows.formed[row] &&
+                    one.rows.solved[row] == two.rows.solved[row];
+        divided &= is_divided(one.rows, whole) && is_divided(two.rows, halves);
+    }
+    expect(chosen && same, "parts change neither what is chosen nor what is learned");
+    expect(divided, "the chosen rows are divided among the parts");
 }
 
 // Energy of one element per lane from the formula at the head of element.hpp, by the same rule.
@@ -338,9 +444,16 @@ void test_element() {
 
 int main() {
     using namespace tautwire::TAUTWIRE_ISA;
+    constexpr int kLong = 2 * kLanes;  // 41 rows with any number of lanes; influence reaches 17
     test_layout();
-    test_solvers();
-    test_selection();
+    test_solvers<kLong>(1, true);
+    test_solvers<kLong>(2, true);
+    test_solvers<1>(1, kLanes == 2);
+    test_solvers<1>(2, false);
+    test_selection(1, false);
+    test_selection(2, false);
+    test_selection(2, true);
+    test_selection_in_parts();
     test_element();
     return failures == 0 ? 0 : 1;
 }

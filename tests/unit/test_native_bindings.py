@@ -92,7 +92,7 @@ def is_spoilt(change: str, name: str, array: Any) -> bool:
 def test_every_array_of_a_line_is_checked(change: str) -> None:
     """Each array of a line is refused by name when it is not as the core needs it."""
     spoil, words = SPOILT[change]
-    arrays, scheme = line_arrays(), native_stepper._scheme(OPTIONS, 3e-8)
+    arrays, scheme = line_arrays(), native_stepper._scheme(OPTIONS, 3e-8, threads=1)
     core().Stepper(arrays, scheme)
     spoilt = [name for name, array in arrays.items() if is_spoilt(change, name, array)]
     assert len(spoilt) >= 10
@@ -153,7 +153,7 @@ def test_element_kernels_take_float64_only() -> None:
 )
 def test_numbers_of_a_scheme_are_checked(name: str, value: Any, words: str) -> None:
     """A scheme with a step of zero or a word for a number is refused by name."""
-    scheme: dict[str, Any] = native_stepper._scheme(OPTIONS, 3e-8)
+    scheme: dict[str, Any] = native_stepper._scheme(OPTIONS, 3e-8, threads=1)
     with pytest.raises((TypeError, ValueError), match=rf"^{name} .*{words}"):
         core().Stepper(line_arrays(), scheme | {name: value})
 
@@ -166,7 +166,7 @@ def test_places_outside_the_line_are_refused(name: str) -> None:
         index = arrays[name].copy()
         index[-1] = wrong
         with pytest.raises(ValueError, match=rf"^{name} holds {wrong}; expected 0 to"):
-            core().Stepper(arrays | {name: index}, native_stepper._scheme(OPTIONS, 3e-8))
+            core().Stepper(arrays | {name: index}, native_stepper._scheme(OPTIONS, 3e-8, threads=1))
 
 
 def test_twenty_pantographs() -> None:

@@ -123,6 +123,15 @@ def test_losses_are_located(stepping: Any, within: float) -> None:
     assert np.abs(differences).max() <= within
 
 
+def test_refinement_is_counted() -> None:
+    """An adaptive step counts its windows beside the work of both parts."""
+    counters = passed(Extrapolated(), tw.AdaptiveStep(1e-3)).counters
+    assert counters["windows"] > 0
+    assert 0.0 < counters["refined_s"] < counters["simulated_s"]
+    assert counters["unsettled_windows"] == 0
+    assert counters["steps"] > 6 * len(passed(Extrapolated(), tw.AdaptiveStep(1e-3)).time)
+
+
 def under_way(choice: Any, **changes: Any) -> Stepper:
     """Return an extrapolated passage of two spans."""
     system, pantographs = entering(ac_simple(**TWO_SPANS))

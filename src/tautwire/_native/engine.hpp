@@ -51,7 +51,8 @@ struct Scheme {
     double tolerance;
     int iterations;
     bool full_newton;
-    int threads;  // that take part, the calling one included; the numbers do not depend on them
+    int threads;  // that may take part, the calling one included; the numbers do not depend on them
+    bool awaits_helpers;  // for tests, see Team
 };
 
 // One pantograph as a chain of stages, head first (numerics/pantograph.py).
@@ -91,6 +92,7 @@ struct Counters {
     std::int64_t local_iterations;  // in some rows alone
     std::int64_t local_rows;        // rows of local iterations where residuals were formed
     std::int64_t solved_rows;       // rows of local iterations that were solved for
+    std::int64_t helped_parts;      // parts of the work that were done by other threads
     double overlooked;              // largest increment where none above the tolerance was expected [m]
 };
 
@@ -117,6 +119,7 @@ public:
     virtual void save(double* out) const = 0;
     virtual void restore(const double* in) = 0;
     virtual Counters counters() const = 0;
+    virtual int threads() const = 0;  // that take part: one where the line has one part
     virtual Timings timings() const = 0;
 };
 

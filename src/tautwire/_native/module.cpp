@@ -65,12 +65,13 @@ public:
         engine_->restore(Arguments().array<const double>(state, state_size(), "state"));
     }
     std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t,
-               std::int64_t, double>
+               std::int64_t, std::int64_t, double>
     counters() const {
         const Counters c = engine_->counters();
         return {c.steps, c.iterations, c.refactorisations, c.full_newton_steps,
-                c.local_iterations, c.local_rows, c.solved_rows, c.overlooked};
+                c.local_iterations, c.local_rows, c.solved_rows, c.helped_parts, c.overlooked};
     }
+    int threads() const { return engine_->threads(); }
 
 private:
     std::unique_ptr<Engine> engine_;
@@ -139,12 +140,14 @@ Stepper::Stepper(const nb::dict& line, const nb::dict& scheme) {
     const int threads = Arguments::value<int>(scheme, "threads");
     if (threads < 1 || threads > kMostParts)
         throw nb::value_error(("threads must be from 1 to " + std::to_string(kMostParts)).c_str());
+    const bool awaits_helpers =
+        scheme.contains("awaits_helpers") && Arguments::value<bool>(scheme, "awaits_helpers");
     const auto number = [&scheme](const char* name) { return Arguments::value<double>(scheme, name); };
     engine_.reset(chosen->make_engine(
         data, Scheme{number("alpha"), number("beta"), number("gamma"),
                      Arguments::positive(scheme, "time_step"), number("tolerance"),
                      Arguments::value<int>(scheme, "iterations"),
-                     Arguments::value<bool>(scheme, "full_newton"), threads}));
+                     Arguments::value<bool>(scheme, "full_newton"), threads, awaits_helpers}));
 }
 
 std::tuple<int, int> Stepper::advance(const nb::dict& known, const nb::dict& histories) {
@@ -246,7 +249,8 @@ NB_MODULE(_core, m) {
         .def("save", &Stepper::save, nb::arg("out"))
         .def("restore", &Stepper::restore, nb::arg("state"))
         .def("timings", &Stepper::timings)
-        .def("counters", &Stepper::counters);
+        .def("counters", &Stepper::counters)
+        .def("threads", &Stepper::threads);
 }
 
 }  // namespace tautwire

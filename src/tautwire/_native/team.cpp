@@ -4,7 +4,6 @@
 
 #if TAUTWIRE_THREADS
 #include <atomic>
-#include <cstdint>
 #include <system_error>
 #include <thread>
 #if __has_include(<pthread.h>)
@@ -19,21 +18,24 @@ namespace tautwire {
 
 namespace {
 
-// A wait longer than this [s] means that the system has taken a helper off its processor: a part takes
-// 2 to 50 us on lines of a kilometre, and the calling thread has done one as long before it waits.
+// A wait longer than this [s] means that the system has taken a helper off its processor: a part
+// takes 2 to 50 us on lines of a kilometre, and the calling thread has done one as long before it
+// waits.
 constexpr double kPatience = 300e-6;
-// After so long [s] the way of working that seems slower, alone or with helpers, is tried again, for one
-// call of the engine, which takes 2 to 10 ms: a hundredth of the time is at stake.
+// After so long [s] the way of working that seems slower, alone or with helpers, is tried again,
+// for one call of the engine, which takes 2 to 10 ms: a hundredth of the time is at stake.
 constexpr double kReview = 0.5;
 // Steps of a call that tell how fast it was, and the part of what they tell that counts.
 constexpr int kTelling = 10;
 constexpr double kNew = 0.3;
-// A helper that is given nothing sleeps after so long [s]; between two calls of the engine pass 0.1 to
-// 0.3 ms. Of the parts of an extrapolated passage only one works at a time.
+// A helper that was given nothing for so long [s] sleeps if no work with helpers is in progress;
+// if there is, it offers its processor to other threads and spins on. Between two calls of the
+// engine pass 0.1 to 0.3 ms, in which it should not fall asleep; the engines of an extrapolated
+// passage work in turn, and the helper of the one that rests should.
 constexpr double kIdle = 0.5e-3;
 // Turns of a waiting loop between two looks at the clock, about 1 us. No instruction that tells the
-// processor of the waiting: on virtual machines thousands of them hand it over to the host, and parts
-// then take twice as long.
+// processor of the waiting: on virtual machines thousands of them hand it over to the host, and
+// parts then take twice as long.
 constexpr int kTurns = 256;
 
 // Signals are for the thread that runs Python.
@@ -106,7 +108,7 @@ struct Team::Crew {
     }
 };
 
-Team::Team(int threads) {
+Team::Team(int threads, bool awaits_helpers) : awaits_helpers_(awaits_helpers) {
     if (threads < 2) return;
     crew_ = new Crew;
     const SignalsBlocked blocked;
@@ -114,10 +116,14 @@ Team::Team(int threads) {
         crew_->owners.fetch_add(1);
         try {
             std::thread([crew = crew_] { crew->help(); }).detach();
+            ++threads_;
         } catch (const std::system_error&) {  // no more threads; those that there are do the work
             crew_->leave();
         }
     }
+    if (threads_ > 1) return;
+    crew_->leave();
+    crew_ = nullptr;
 }
 
 Team::~Team() {
@@ -136,6 +142,7 @@ void Team::begin() {
         tries_helpers_ = !tries_helpers_;
         reviewed_ = begun_;
     }
+    if (awaits_helpers_) tries_helpers_ = true;
     helps_ = tries_helpers_;
     if (helps_) crew_->wake();
 }
@@ -160,22 +167,23 @@ void Team::share(int parts, Work work, const void* what) {
                      std::memory_order_release);
     int own = 1;
     work(what, 0);
-    for (int part; (part = crew.claim()) >= 0; ++own) work(what, part);
+    for (int part; !awaits_helpers_ && (part = crew.claim()) >= 0; ++own) work(what, part);
     double since = 0.0;
-    for (int n = 1; crew.done.load(std::memory_order_acquire) < parts - own; ++n) {
+    for (unsigned n = 1; crew.done.load(std::memory_order_acquire) < parts - own; ++n) {
         if (n % kTurns) continue;
         const double now = seconds();
         if (since == 0.0) since = now;
         if (now - since < kPatience) continue;
-        helps_ = false;  // until the end of this call
+        helps_ = awaits_helpers_;   // if not, until the end of this call
         std::this_thread::yield();  // the helper may be waiting for this very processor
     }
+    helped_parts_ += parts - own;
 }
 
 #else  // a system without threads
 
 struct Team::Crew {};
-Team::Team(int) {}
+Team::Team(int, bool) {}
 Team::~Team() = default;
 void Team::begin() {}
 void Team::end(int) {}

@@ -1,22 +1,30 @@
 // Threads that do the parts of a piece of work side by side.
 //
-// Which thread does which part, and how many there are, makes no difference to what is computed. The
-// parts of a step take 2 to 50 us, so threads wait for each other by spinning; a helper that is given
-// nothing for a while sleeps. Parts are claimed: where the system has no processor for a helper, the
-// calling thread does them all. So nothing waits for a helper that is not there, as in a forked
-// process. Working with helpers is compared with working alone, again and again, because it is slower
-// where processors are busy or share no cache.
+// Which thread does which part, and how many there are, makes no difference to what is computed.
+// The parts of a step take 2 to 50 us, so threads wait for each other by spinning: a helper spins
+// while work with helpers is in progress, whether it is given parts or not, and a little longer;
+// else it sleeps. Parts are claimed: where the system has no processor for a helper, the calling
+// thread does them all. So nothing waits for a helper that is not there, as in a forked process.
+// Working with helpers is compared with working alone, again and again, because it is slower where
+// processors are busy or share no cache.
 #pragma once
+
+#include <cstdint>
 
 namespace tautwire {
 
 class Team {
 public:
-    // `threads` counts the calling one.
-    explicit Team(int threads = 1);
+    // `threads` counts the calling one. With `awaits_helpers` helpers do all parts but the first of
+    // every piece of work, however long that takes: for tests, which could not tell else that one
+    // did anything.
+    explicit Team(int threads, bool awaits_helpers = false);
     ~Team();
     Team(const Team&) = delete;
     Team& operator=(const Team&) = delete;
+
+    int threads() const { return threads_; }  // that there are
+    std::int64_t helped_parts() const { return helped_parts_; }  // done by helpers so far
 
     // Begin work in which parts are shared, and end it, a number of steps later.
     void begin();
@@ -38,7 +46,10 @@ private:
     void share(int parts, Work work, const void* what);
 
     bool helps_ = false;  // helpers are at hand
-    Crew* crew_ = nullptr;
+    bool awaits_helpers_ = false;
+    int threads_ = 1;
+    std::int64_t helped_parts_ = 0;
+    Crew* crew_ = nullptr;  // none without helpers
     // The work in progress: when it began [s], and whether it began with helpers.
     double begun_ = 0.0;
     bool tries_helpers_ = false;

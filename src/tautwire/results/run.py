@@ -149,7 +149,9 @@ class Run(Told):
     snapshots : Snapshots
     counters : mapping
         ``dof, steps, iterations_mean, refactorisations, full_newton_steps, simulated_s, cpu_s,
-        wall_s, real_time_factor, tuning_passes, backend``.
+        wall_s, real_time_factor, tuning_passes, backend``; of the compiled core ``threads,
+        helped_parts, local_iterations, local_rows, solved_rows, overlooked``; of an adaptive step
+        ``windows, refined_s, unsettled_windows``.
     warnings : tuple of str
     provenance : mapping
         ``version, commit, created, case_hash, python, platform``.

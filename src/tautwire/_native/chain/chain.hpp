@@ -1,9 +1,10 @@
 // Block-tridiagonal solver on lanes: every lane runs through its own piece of the chain.
 //
 // The factor A = L D L' is that of the whole chain. Forward and backward substitution start in all
-// pieces, and in all parts of them, at once, without knowing the neighbour's value; as the influence
-// of that value fades within `reach` nodes, a short extra sweep puts it right. It is kept in single precision: the solution is
-// corrected until the residual, in double precision, is small.
+// pieces, and in all parts of them, at once, without knowing the neighbour's value; as the
+// influence of that value fades within a few nodes (`reach`), a short extra sweep puts it right.
+// The factor is kept in single precision: the solution is corrected until the residual, in double
+// precision, is small.
 #pragma once
 
 #include "chain/blocks.hpp"
@@ -23,9 +24,9 @@ public:
 
     bool factor(const Buffer<NodeBlocks>& blocks);
 
-    // Forward sweep: for every run of a part a call for its first row, which `starts` it, to its last,
-    // then end_run; when all parts are done, finish_elimination for each of them. Outside the runs the
-    // right-hand side is zero, and so is the solution.
+    // Forward sweep: for every run of a part a call for its first row, which `starts` it, to its
+    // last, then end_run; when all parts are done, finish_elimination for each of them. Outside the
+    // runs the right-hand side is zero, and so is the solution.
     TAUTWIRE_INLINE void eliminate(int row, bool starts, Floats (&rhs)[6]) {
         Floats* y = &y_[row * 6];
         if (!starts) subtract_lower(row, y - 6, rhs);
@@ -35,8 +36,8 @@ public:
         if (run.last() + 1 != set.bounds[part + 1]) return;
         for (int i = 0; i < 6; ++i) ends_[part][i] = y_[run.last() * 6 + i];
     }
-    // Whether what a part leaves is felt in the next part only, so that parts can be finished side by
-    // side.
+    // Whether what a part leaves is felt in the next part only, so that parts can be finished side
+    // by side.
     bool is_local(const RowSet& set) const {
         bool is = true;
         for (int part = 0; part < layout_.parts; ++part)
@@ -62,8 +63,8 @@ public:
         }
     }
 
-    // Backward sweep: for each run begin_substitution, then a call for its last row to its first, with
-    // the solution of the row after, which becomes that of the row.
+    // Backward sweep: for each run begin_substitution, then a call for its last row to its first,
+    // with the solution of the row after, which becomes that of the row.
     void begin_substitution(const RowSet& set, const Run& run, Block& x) const {
         for (Floats& value : x) value = broadcast<Floats>(0.0);
         int row = layout_.after(run.last()), ahead = 0;
@@ -89,8 +90,8 @@ public:
     // The eliminated right-hand side, as numbers (see Layout::in_floats).
     float* eliminated() { return reinterpret_cast<float*>(y_.data()); }
 
-    // Eliminate a right-hand side on `node` and the next: call visit(node, w, z, d) with w = L^-1 rhs,
-    // z = D^-1 w and the diagonal d of D^-1, node by node until visit returns false.
+    // Eliminate a right-hand side on `node` and the next: call visit(node, w, z, d) with
+    // w = L^-1 rhs, z = D^-1 w and the diagonal d of D^-1, node by node until visit returns false.
     template <class F>
     void eliminate_from(int node, const double (&rhs)[2][6], F visit) const {
         double w[6] = {};
@@ -117,8 +118,8 @@ public:
 
 private:
     static constexpr int kTriangle = 21;  // entries of a symmetric 6x6 block
-    // A carried value is dropped when it has faded by this factor.
-    // Chosen: 1e-2 and 1e-4 change the iterations of AC simple at 3 ms by 0.1 %.
+    // A carried value is dropped when it has faded by this factor. Chosen: 1e-2 and 1e-4 change the
+    // iterations of AC simple at 3 ms by 0.1 %.
     static constexpr double kFaded = 1e-3;
 
     TAUTWIRE_INLINE void subtract_lower(int row, const Floats* left, Floats* rhs) const {
@@ -186,7 +187,10 @@ inline void Chain::store(int node, const NodeFactor& factor) {
     }
 }
 
-// Count the rows after which a value carried into any part has faded.
+// Count the rows after which a value has faded that is carried in at a bound between the parts of
+// the whole line. Parts of some rows are divided elsewhere, and there it may take a row or two
+// more: what is dropped is then somewhat larger, and like all that is dropped it is left to the
+// next iteration.
 inline int Chain::reach(bool forward) const {
     int most = 0;
     for (int part = 0; part < layout_.parts; ++part) {

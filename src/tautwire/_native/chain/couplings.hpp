@@ -40,12 +40,11 @@ public:
 
 private:
     // Aimed-at contraction of an iteration by what is cut off; the tangent's change alone is worth
-    // about as much.
-    // Chosen: 5e-4 and 1e-2 change 2.13 iterations per step of AC simple to 2.13 and 2.26, and no time.
+    // about as much. Chosen: 5e-4 and 1e-2 change 2.13 iterations per step of AC simple to 2.13 and
+    // 2.26, and no time.
     static constexpr double kContraction = 2e-3;
-    // Finest and coarsest cut-off, relative to the column.
-    // Chosen: 1e-4 and
-    // 0.3 change no count of AC simple, AC stitched and DC twin by one in a thousand.
+    // Finest and coarsest cut-off, relative to the column. Chosen: 1e-4 and 0.3 change no count of
+    // AC simple, AC stitched and DC twin by one in a thousand.
     static constexpr double kLeastCut = 3e-4, kMostCut = 0.1;
 
     enum class Gate { none, tie, stay, contact };

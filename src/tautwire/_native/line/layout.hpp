@@ -28,8 +28,10 @@ using Row = Doubles[2][6];
 struct Layout {
     int nodes = 0, rows = 0, parts = 1;
 
-    explicit Layout(int nodes_)
-        : nodes(nodes_), rows((nodes_ + kPieces - 1) / kPieces), parts(rows < kDivided ? 1 : kMostParts) {}
+    // In a number of parts; by default as many as pay for so many nodes.
+    explicit Layout(int nodes_, int parts_ = 0)
+        : nodes(nodes_), rows((nodes_ + kPieces - 1) / kPieces),
+          parts(parts_ > 0 ? parts_ : rows < kDivided ? 1 : kMostParts) {}
 
     // The first row of a part of all rows; of the one behind the last, the number of rows.
     int bound(int part) const { return part * rows / parts; }
@@ -56,7 +58,7 @@ struct Layout {
     }
 
 private:
-    // Fewer rows are not divided: each part forms one row twice and solves some twice.
+    // Fewer rows are not divided by default: each part forms one row twice and solves some twice.
     static constexpr int kDivided = 64;
 };
 

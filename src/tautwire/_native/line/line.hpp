@@ -29,7 +29,8 @@ struct Hold {
 
 class Line {
 public:
-    Line(const LineData& data, double weight);
+    // Its rows in a number of parts; by default see Layout.
+    Line(const LineData& data, double weight, int parts = 0);
 
     // Whether a time step asks for another bending stiffness of the wires; set it.
     bool depends_on(double dt) const { return bending_.size() > 0 && dt != time_step_; }
@@ -70,8 +71,8 @@ private:
     Buffer<Parts> bending_, load_;  // [2 row + half], [12 row + 6 half + i]; empty: not stiffened
 };
 
-inline Line::Line(const LineData& data, double weight_)
-    : layout(data.nodes),
+inline Line::Line(const LineData& data, double weight_, int parts)
+    : layout(data.nodes, parts),
       element(2 * static_cast<std::size_t>(layout.rows)),
       node_mass(2 * static_cast<std::size_t>(layout.rows)),
       position(layout.rows),

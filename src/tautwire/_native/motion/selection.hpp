@@ -66,9 +66,9 @@ public:
 
 private:
     static constexpr std::size_t kNumbers = sizeof(Floats) / sizeof(double);
-    // Chosen on AC simple, NAD 9 and 15, and on its graded mesh, where five contacts are lost in 0.2 s.
-    // Steps between iterations everywhere: with 8 the error is the same and there are
-    // 13 % more iterations everywhere.
+    // Chosen on AC simple, NAD 9 and 15, and on its graded mesh, where five contacts are lost in
+    // 0.2 s. Steps between iterations everywhere: with 8 the error is the same and there are 13 %
+    // more iterations everywhere.
     static constexpr int kVerify = 32;
     // Rows to either side where residuals are formed: of a row, and of a touched one, where the
     // contact force feels every increment: 6 there double the error, 4 make it five times as

@@ -42,7 +42,8 @@ private:
 class LineEngine final : public Engine {
 public:
     LineEngine(const LineData& data, const Scheme& scheme)
-        : scheme_(scheme), weight_(1.0 + scheme.alpha), team_(scheme.threads), sweeps_(data, weight_),
+        : scheme_(scheme), weight_(1.0 + scheme.alpha), sweeps_(data, weight_),
+          team_(sweeps_.line.layout.parts > 1 ? scheme.threads : 1, scheme.awaits_helpers),
           factors_(sweeps_.line, sweeps_.attached, data, scheme), whole_(sweeps_.line.layout),
           selection_(sweeps_.line.layout), paths_(data.paths) {
         sweeps_.team = &team_;
@@ -70,7 +71,12 @@ public:
     std::size_t state_size() const override;
     void save(double* out) const override;
     void restore(const double* in) override;
-    Counters counters() const override { return counters_; }
+    Counters counters() const override {
+        Counters told = counters_;
+        told.helped_parts = team_.helped_parts();
+        return told;
+    }
+    int threads() const override { return team_.threads(); }
     Timings timings() const override { return timings_; }
 
 private:
@@ -110,8 +116,8 @@ private:
 
     Scheme scheme_;
     double weight_;
-    Team team_;
     Sweeps sweeps_;
+    Team team_;
     StepFactors factors_;
     RowSet whole_;
     Selection selection_;
@@ -387,7 +393,8 @@ inline void LineEngine::carry_over() {
 }
 
 inline bool LineEngine::start_from(const double* q, const double* v) {
-    // The mass matrix is factored exactly but for HHT's share of the forces. Six passes change no digit of the forces.
+    // The mass matrix is factored exactly but for HHT's share of the forces. Six passes change no
+    // digit of the forces.
     constexpr int kRefinements = 3;
     WireState &now = sweeps_.start(), &end = sweeps_.end();
     scatter(q, end.q_p);

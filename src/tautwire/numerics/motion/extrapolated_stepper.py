@@ -19,7 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tautwire.numerics.motion.stepper import StepBlock, StepCounters, Stepper
+from tautwire.numerics.motion.stepper import (
+    COUNTED_NOTES,
+    LARGEST_NOTES,
+    StepBlock,
+    StepCounters,
+    Stepper,
+)
 from tautwire.status import Status
 
 Array = NDArray[Any]
@@ -27,6 +33,7 @@ Array = NDArray[Any]
 PARTS = (2, 4)
 """Into how many a step is divided; the error of one over that of the other is 4."""
 _SMOOTH = ("wire_height", "stages", "observed")
+_COUNTS = ("steps", "iterations", "refactorisations", "full_newton_steps")
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +56,8 @@ class ExtrapolatedStepper:
         self.parts = tuple(make(count) for count in PARTS)
         self._gap: Array | None = None
         """At the last step, ``(n_pantograph,)``; None before the first one."""
-
-    @property
-    def counters(self) -> StepCounters:
-        """Work done so far by both parts."""
-        both = [part.counters for part in self.parts]
-        names = ("steps", "iterations", "refactorisations", "full_newton_steps")
-        sums = {name: sum(getattr(own, name) for own in both) for name in names}
-        notes = {name: _told(*(own.notes[name] for own in both)) for name in both[0].notes}
-        return StepCounters(**sums, notes=notes)
+        self.counters = StepCounters()
+        self._count()
 
     @property
     def time(self) -> float:
@@ -108,6 +108,7 @@ class ExtrapolatedStepper:
             part.advance(count * steps, None if time_step is None else time_step / count)
             for part, count in zip(self.parts, PARTS, strict=True)
         ]
+        self._count()
         done = [len(b.time) // count for b, count in zip(blocks, PARTS, strict=True)]
         common = min(done)
         if common < steps:
@@ -123,12 +124,20 @@ class ExtrapolatedStepper:
         self._gap = block.gap[-1]
         return block
 
+    def _count(self) -> None:
+        """Sum up the work of both parts; notes that step controls have added stay."""
+        both = [part.counters for part in self.parts]
+        for name in _COUNTS:
+            setattr(self.counters, name, sum(getattr(own, name) for own in both))
+        for name in both[0].notes:
+            self.counters.notes[name] = _told(name, [own.notes[name] for own in both])
 
-def _told(one: Any, two: Any) -> Any:
-    """Return a note on both parts: the sum of counts, the larger measure, the same word."""
-    if isinstance(one, int):
-        return one + two
-    return max(one, two)
+
+def _told(name: str, notes: list[Any]) -> Any:
+    """Return a note on both parts: a sum of work, a largest measure, or what is true of each."""
+    if name in COUNTED_NOTES:
+        return sum(notes)
+    return max(notes) if name in LARGEST_NOTES else notes[0]
 
 
 def _combined(long: StepBlock, short: StepBlock) -> StepBlock:

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from tautwire.numerics.motion.native_line import NodeOrder, line_arrays
 from tautwire.numerics.motion.step_solver import Clock
 from tautwire.numerics.motion.stepper import (
+    COUNTED_NOTES,
+    LARGEST_NOTES,
     SAME_TIME,
     PantographInput,
     StepBlock,
@@ -71,7 +73,8 @@ class NativeStepper:
     observed
         Degrees of freedom whose coordinates are recorded at every step.
     threads
-        That may take part in a step; results do not depend on them.
+        That may take part in a step; results do not depend on them. How many do is noted: one
+        where the line is too short to be divided.
 
     Raises
     ------
@@ -89,7 +92,6 @@ class NativeStepper:
         threads: int = 1,
     ) -> None:
         self.counters = StepCounters()
-        self.counters.notes["threads"] = threads
         self._system, self._options = system, options
         self._inputs = tuple(pantographs)
         self._order = NodeOrder.of(system.cables.nodes, system.node_count)
@@ -102,6 +104,7 @@ class NativeStepper:
         self._core = core.Stepper(
             arrays, _scheme(options, reachable_tolerance(system, options), threads)
         )
+        self.counters.notes["threads"] = self._core.threads()
         for given in self._inputs:
             chain = given.chain
             self._core.add_pantograph(
@@ -208,13 +211,13 @@ class NativeStepper:
         }
 
     def _count(self) -> None:
-        steps, iterations, refactorisations, full, *local = self._core.counters()
+        steps, iterations, refactorisations, full, *notes = self._core.counters()
         self.counters.steps = steps
         self.counters.iterations = iterations
         self.counters.refactorisations = refactorisations
         self.counters.full_newton_steps = full
-        names = ("local_iterations", "local_rows", "solved_rows", "overlooked")
-        self.counters.notes.update(zip(names, local, strict=True))
+        names = (*COUNTED_NOTES, *LARGEST_NOTES)
+        self.counters.notes.update(zip(names, notes, strict=True))
 
     def _empty_histories(self, steps: int) -> dict[str, Array]:
         pairs = len(self._inputs) * self._paths
@@ -307,7 +310,7 @@ def _frames(inputs: Sequence[PantographInput], time: Array) -> Array:
     return frames
 
 
-def _scheme(options: StepOptions, tolerance: float, threads: int = 1) -> dict[str, float | bool]:
+def _scheme(options: StepOptions, tolerance: float, threads: int) -> dict[str, float | int | bool]:
     integrator = options.integrator
     return {
         "alpha": integrator.alpha,

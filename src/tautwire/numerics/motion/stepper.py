@@ -261,6 +261,12 @@ class StepBlock:
         return cls(status=status, **kept)
 
 
+COUNTED_NOTES = ("local_iterations", "local_rows", "solved_rows", "helped_parts")
+"""Notes on a time integration that count work, as the core returns them (engine.hpp)."""
+LARGEST_NOTES = ("overlooked",)
+"""Notes that are the largest of what was met, behind the former."""
+
+
 @dataclass
 class StepCounters:
     """Work done so far."""
@@ -281,7 +287,7 @@ class Stepper(Protocol):
 
     @property
     def counters(self) -> StepCounters:
-        """Work done so far."""
+        """Work done so far: one object throughout, to whose notes a step control adds its own."""
         ...
 
     @property
