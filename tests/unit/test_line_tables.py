@@ -12,6 +12,7 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.app import run_command_line
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
+from tautwire.inputs.reading.survey import load_survey
 from tautwire.inputs.reading.tables import open_sheets
 from tautwire.model.build import build
 from tautwire.specs.schema.vocabulary import Meaning, folded, meaning_of, words_for
@@ -412,3 +413,14 @@ def test_line_in_units_of_us_practice(tmp_path: Path) -> None:
     assert read.wires.contact.tension == case.wires.contact.tension
     with pytest.raises(InputError, match=r"unknown key; it is given as line\.span_length"):
         load_case(table(tmp_path / "bad.yaml", US_LINE + "bay: 180 ft\n"))
+
+
+def test_survey_of_a_mast_whose_name_stands_twice(tmp_path: Path) -> None:
+    """A reading at a name that two masts have is not given to the first of them."""
+    names = ["M1", "M2", "M2", "M4"]
+    case = load_case("ac-simple", {"line.spans": 3, "line.masts": names})
+    path = table(tmp_path / "s.csv", "Mast;Contact height [m]\nM4;5.3\nM2;5.3\n")
+    with pytest.raises(InputError, match="mast M2, as 2 supports are called; give the number"):
+        load_survey(path, case)
+    path = table(tmp_path / "s.csv", "Support;Contact height [m]\n4;5.3\n2;5.3\n")
+    assert [one.support for one in load_survey(path, case).readings] == [4, 2]
