@@ -336,3 +336,23 @@ def test_places_that_are_not_there_are_refused(
         assert refused.code == 2, refused.out
         for text in words:
             assert text in refused.err
+
+
+def test_air_table_without_unit_or_too_short(invoke: Invoke, tmp_path: Path) -> None:
+    """Speeds of no train are refused at their cell, as km/h without a unit are; the step tells
+    which share of the samples lies beyond the table, and at which speeds."""
+    path = _recording(tmp_path / "run.csv")
+    table = tmp_path / "air.csv"
+    table.write_text("speed,force\n100,-2\n300,-10\n")
+    refused = invoke("measured", path, "--air", table)
+    assert refused.code == 2
+    assert "line 3, column 'speed': got 300 m/s" in refused.err
+    assert "say the unit, as in 'speed [km/h]'" in refused.err
+    table.write_text("speed [km/h],force [N]\n250,-2\n300,-10\n")
+    beyond = invoke("measured", path, "--air", table, "--json").document["steps"][1]
+    assert beyond["share_beyond_table"] == 1.0
+    assert beyond["speeds_beyond_m_s"] == pytest.approx([200 / 3.6, 200 / 3.6])
+    assert "share beyond table 1" in invoke("measured", path, "--air", table).out
+    table.write_text("speed [km/h],force [N]\n200,-2\n300,-10\n")
+    within = invoke("measured", path, "--air", table, "--json").document["steps"][1]
+    assert "share_beyond_table" not in within

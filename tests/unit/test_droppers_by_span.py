@@ -185,6 +185,108 @@ def test_bad_tables_are_refused(rows: list[list[Any]], words: str, tmp_path: Pat
     assert "bad.xlsx, sheet 'Droppers'" in told
 
 
+def with_columns(word: str, value: float) -> list[list[Any]]:
+    """Return rows with positions and three more columns that hold one value."""
+    rows = [[n, *(v for x in (5, 20, 40) for v in (x, value))] for n in (1, 2, 3)]
+    return [["Span", *numbered("x#", word)[:6]], *rows]
+
+
+@pytest.mark.parametrize(
+    ("word", "value", "words"),
+    [
+        ("H#", 5.3, "'H1', 'H2', 'H3' may hold lengths of droppers or something else"),
+        ("H#", 1.2, "'H1', 'H2', 'H3' may hold lengths of droppers or something else"),
+        ("H# [m]", 5.3, "would be lengths of droppers by their names, but hold 5.3 m"),
+        ("D#", 10.0, "'D1', 'D2', 'D3' would be lengths of droppers by their names"),
+        ("l#", 1210.0, "but hold 1210 m, and lengths of droppers lie within 0.05 and 3 m"),
+        ("Hänger #", 5.3, "would be lengths of droppers by their names"),
+        ("F#", 90.0, "'F1', 'F2', 'F3' may hold pre-sags or something else"),
+        ("F#", 0.09, "'F1', 'F2', 'F3' may hold pre-sags or something else"),
+        ("F# [m]", 0.9, "would be pre-sags by their names, but hold 0.9 m"),
+        ("Dropper # F", 0.09, "may hold pre-sags or something else"),
+        ("P#", 0.12, "'P1', 'P2', 'P3' may hold lengths of droppers or something else"),
+    ],
+)
+def test_columns_of_several_meanings_are_refused(
+    word: str, value: float, words: str, tmp_path: Path
+) -> None:
+    """A height of the contact wire is no dropper length and a force no pre-sag: letters that mean
+    either need a unit of length and values of that kind, and the columns are named."""
+    told = problem(tmp_path, with_columns(word, value))
+    assert words in told
+    assert "are left aside" in told
+
+
+@pytest.mark.parametrize(
+    ("word", "value", "mode"),
+    [("H# [mm]", 1200.0, "length"), ("H# [m]", 1.2, "length"), ("length # [mm]", 1200.0, "length"),
+     ("unstrained length # [mm]", 1200.0, "length"), ("F# [mm]", 20.0, "height"),
+     ("pre-sag # [mm]", 20.0, "height"), ("contact height #", 5.3, "height"),
+     ("dropper force #", 90.0, "height"), ("F# [N]", 90.0, "height"), ("F# [kN]", 0.09, "height")],
+)  # fmt: skip
+def test_unit_or_word_decides_what_columns_hold(
+    word: str, value: float, mode: str, tmp_path: Path
+) -> None:
+    """With a unit or a word of its own a column is read; what is named otherwise is left aside."""
+    found = droppers_of(load_case(line(tmp_path / "a.xlsx", with_columns(word, value))))
+    assert found.mode == mode
+    if mode == "length":
+        assert found.lengths_by_span(3) == ((1.2,) * 3,) * 3
+    elif "[mm]" in word:
+        assert found.presag_by_span(3) == ((0.02,) * 3,) * 3
+
+
+def test_numbered_columns_beside_single_droppers_stay_aside(tmp_path: Path) -> None:
+    """In a table with one row per dropper, numbered columns do not make several of each row."""
+    heads = ["Span", "Position [m]", "Length [m]", "D1", "D2"]
+    rows = [[n, x, 1.2, 1.0, 1.1] for n in (1, 2, 3) for x in (5.0, 40.0)]
+    found = droppers_of(load_case(line(tmp_path / "a.xlsx", [heads, *rows])))
+    assert found.positions_by_span(3) == ((5.0, 40.0),) * 3
+    both = [[*heads[:3], "x1", "x2"], *rows]
+    assert "'Position [m]' has the position of one dropper per row" in problem(tmp_path, both)
+
+
+BESIDE = (
+    "schema: 2\ninclude: ac-simple\nname: a\ndroppers: {presag: [0, 0]}\n"
+    "tables: {droppers: d.csv}\n"
+)
+FROM_ONE_TO_THE_NEXT = "Span,x1,x2,x3,l1,l2,l3\n" + "".join(
+    f"{n},5,10,11,1.2,1,1.2\n" for n in (1, 2, 3)
+)
+
+
+@pytest.mark.parametrize(
+    "spans",
+    ["line: {spans: 3, span_length: 60}\n", "line: {span_length: [60 m, 60, 60]}\n",
+     "line: {spans: 3}\n"],
+)  # fmt: skip
+def test_positions_are_checked_against_the_spans_of_the_case(spans: str, tmp_path: Path) -> None:
+    """Distances from one dropper to the next are told where only the case, what it includes, or
+    what includes it says how long the spans are."""
+    (tmp_path / "d.csv").write_text(FROM_ONE_TO_THE_NEXT, encoding="utf-8")
+    (tmp_path / "case.yaml").write_text(BESIDE + spans, encoding="utf-8")
+    with pytest.raises(InputError, match="positions count from the mast on the left"):
+        load_case(tmp_path / "case.yaml")
+    (tmp_path / "case.yaml").write_text(BESIDE, encoding="utf-8")
+    (tmp_path / "outer.yaml").write_text(
+        f"schema: 2\ninclude: case.yaml\nname: b\n{spans}", encoding="utf-8"
+    )
+    with pytest.raises(InputError, match="positions count from the mast on the left"):
+        load_case(tmp_path / "outer.yaml")
+
+
+def test_shares_of_the_spans_of_the_case(tmp_path: Path) -> None:
+    """A pre-sag in per mille is a share of the span that the case has; masts are found by the names
+    that it gives."""
+    rows = "".join(f"{mast},5,0.5\n{mast},50,0.5\n" for mast in "ABC")
+    (tmp_path / "d.csv").write_text("Mast,Position [m],Pre-sag [‰]\n" + rows, encoding="utf-8")
+    text = BESIDE.replace("droppers: {presag: [0, 0]}\n", "")
+    text += "line: {spans: 3, span_length: [60, 55, 60], masts: [A, B, C, D]}\n"
+    (tmp_path / "case.yaml").write_text(text, encoding="utf-8")
+    found = droppers_of(load_case(tmp_path / "case.yaml")).presag_by_span(3)
+    assert found[1] == pytest.approx((0.0275, 0.0275))
+
+
 def test_unnamed_sheet_without_positions_is_refused_too(tmp_path: Path) -> None:
     """A sheet of another name with lengths by dropper is not left aside in silence."""
     rows = [["Feld", *numbered("l#")], *([n, 1.2, 0.9, 0.9, 1.2] for n in (1, 2, 3))]

@@ -183,7 +183,7 @@ def test_bad_support_table(table: str, words: str, tmp_path: Path) -> None:
         ),
         (
             "span,dropper,position,presag\n1,1,5,0\n3,1,5,0\n",
-            "droppers.csv: no droppers for the spans 2",
+            "droppers.csv, line 3, column 'span': got 3; the line has 1 span",
         ),
         (
             "span,dropper,position,presag\n1,1,5,0\n1,3,9,0\n",
@@ -208,7 +208,7 @@ def test_bad_dropper_table(table: str, words: str, tmp_path: Path) -> None:
 def test_number_of_spans_must_agree(tmp_path: Path) -> None:
     """A dropper table for another number of spans is refused."""
     told = problems_of(tmp_path, droppers=DROPPERS)
-    assert "droppers.positions: has 3 lists for 17 spans" in told
+    assert "droppers.csv: no droppers for the spans 4, 5, 6" in told
 
 
 def test_value_in_file_and_table(tmp_path: Path) -> None:

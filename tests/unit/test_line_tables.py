@@ -12,6 +12,7 @@ from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.app import run_command_line
 from tautwire.errors import InputError
 from tautwire.inputs.load import load_case
+from tautwire.inputs.reading.survey import load_survey
 from tautwire.inputs.reading.tables import open_sheets
 from tautwire.model.build import build
 from tautwire.specs.schema.vocabulary import Meaning, folded, meaning_of, words_for
@@ -315,12 +316,60 @@ def test_tension_lengths_and_overlaps(tmp_path: Path) -> None:
     assert case.tension_lengths == known.tension_lengths
     assert case.overlaps == known.overlaps
     (tmp_path / "lengths.csv").write_text(LENGTHS.replace("T2;9;", "T2;B9;"), encoding="utf-8")
-    with pytest.raises(InputError, match=r"line 3, column 'from mast': got 'B9'; give the name"):
+    with pytest.raises(InputError, match="line 3, column 'from mast': got 'B9'; the masts have no"):
         load_case(path)
     named = "line: {spans: 19, masts: [" + ", ".join(f"M{n}" for n in range(1, 21)) + "]}"
     path.write_text(OVERLAPPING.replace("line: {spans: 19}", named), encoding="utf-8")
     with pytest.raises(InputError, match=r"B9"):
         load_case(path)
+
+
+FIXED = "name;from mast;to mast;left;right;fixed point\nT1;{};{};weighted;weighted;{}\n"
+EVEN = "Mast;Chainage [m]\n" + "".join(f"{2 * n};{55 * n}\n" for n in range(1, 7))
+
+
+def lengths_of(folder: Path, masts: str, *cells: str) -> Path:
+    """Write a case with a table of supports and one of a single tension length."""
+    (folder / "masts.csv").write_text(masts, encoding="utf-8")
+    (folder / "lengths.csv").write_text(FIXED.format(*cells), encoding="utf-8")
+    path = folder / "case.yaml"
+    path.write_text(
+        "schema: 2\ninclude: ac-simple\nname: a\nsupports: {closure: height}\n"
+        "tables: {supports: masts.csv, tension_lengths: lengths.csv}\n", encoding="utf-8",
+    )  # fmt: skip
+    return path
+
+
+def test_numbers_that_are_names_of_masts_mean_masts(tmp_path: Path) -> None:
+    """Where masts have numbers for names, a number is the mast of that name."""
+    case = load_case(lengths_of(tmp_path, EVEN, "2", "12", "6"))
+    (found,) = case.tension_lengths
+    assert (found.masts, found.fixed_point) == ((1, 6), 3)
+
+
+@pytest.mark.parametrize(
+    ("masts", "cells", "words"),
+    [
+        (EVEN, ("2", "12", "5"), r"line 2, column 'fixed point': got '5', which no mast is called"),
+        (EVEN, ("2", "9", "6"), r"line 2, column 'to mast': got '9', which .* there are: 2, 4, 6"),
+        (EVEN, ("2", "1Z", "6"), r"got '1Z', which no mast is called; did you mean '12'"),
+        (
+            EVEN.replace("8;", "4;"),
+            ("2", "12", "4"),
+            "got '4', a name that 2 supports have; rename",
+        ),
+        ("Mast;Chainage [m]\nA;0\nB;55\nC;110\n", ("A", "4", "B"), "has the supports 1 to 3"),
+        ("Mast;Chainage [m]\nA;0\nB;55\nC;110\n", ("A", "0", "B"), "has the supports 1 to 3"),
+    ],
+    ids=range(6),
+)
+def test_unknown_masts_are_named_at_their_cell(
+    masts: str, cells: tuple[str, ...], words: str, tmp_path: Path
+) -> None:
+    """No number is taken for that of a support where masts are called by numbers, and none leads
+    beyond the line; a name of two masts is no place."""
+    with pytest.raises(InputError, match=words):
+        load_case(lengths_of(tmp_path, masts, *cells))
 
 
 def test_spacing_is_no_position(tmp_path: Path) -> None:
@@ -364,3 +413,14 @@ def test_line_in_units_of_us_practice(tmp_path: Path) -> None:
     assert read.wires.contact.tension == case.wires.contact.tension
     with pytest.raises(InputError, match=r"unknown key; it is given as line\.span_length"):
         load_case(table(tmp_path / "bad.yaml", US_LINE + "bay: 180 ft\n"))
+
+
+def test_survey_of_a_mast_whose_name_stands_twice(tmp_path: Path) -> None:
+    """A reading at a name that two masts have is not given to the first of them."""
+    names = ["M1", "M2", "M2", "M4"]
+    case = load_case("ac-simple", {"line.spans": 3, "line.masts": names})
+    path = table(tmp_path / "s.csv", "Mast;Contact height [m]\nM4;5.3\nM2;5.3\n")
+    with pytest.raises(InputError, match="mast M2, as 2 supports are called; give the number"):
+        load_survey(path, case)
+    path = table(tmp_path / "s.csv", "Support;Contact height [m]\n4;5.3\n2;5.3\n")
+    assert [one.support for one in load_survey(path, case).readings] == [4, 2]

@@ -425,6 +425,10 @@ def test_mapping_is_kept_and_used_for_the_next_file(tmp_path: Path) -> None:
     check_force(second.recording)
     other = table(["time", "position", "force"], [TIME, PLACE, FORCE])
     assert open_recording(written(tmp_path / "third.csv", other)).is_proposed
+    more = table([*heads, "height"], [TIME, PLACE, FORCE, 0.1 * FORCE, 5.3 + 0 * TIME])
+    fourth = open_recording(written(tmp_path / "fourth.csv", more))
+    assert fourth.is_proposed  # no column of it is swallowed by the mapping of another file
+    assert fourth.recording.height is not None
 
 
 REFUSED = {

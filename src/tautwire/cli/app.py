@@ -15,6 +15,7 @@ import typer
 
 from tautwire.cli.groups import design, high_frequency, measuring, own_line
 from tautwire.cli.groups.workflow import in_order_of_work
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.options import (
     AccurateOption,
     CaseArgument,
@@ -158,6 +159,7 @@ def cases(
     with answering(as_json) as answer:
         from tautwire.cli.commands.inputs.library import copy_entry, list_library, show_entry
 
+        refuse_idle("--copy FILE: it replaces that file", {"--force": force and copy is None})
         if name is None:
             list_library(answer, copying=copy is not None)
         elif copy is None:
@@ -202,6 +204,9 @@ def static(
     with answering(as_json) as answer:
         from tautwire.cli.commands.static import StaticRequest, find_static
 
+        if out is None:
+            idle = {"--pdf": pdf, "--project": project, "--force": force}
+            refuse_idle("--out DIR: files are written with it only", idle)
         written = _reports(html=not no_report, pdf=pdf)
         values = with_condition(overrides, condition)
         find_static(answer, StaticRequest(case, values, out, force, written, project))
@@ -380,6 +385,8 @@ def reproduce(
 
             reproduce_song(answer, out, workers, quick=quick, identify=identify)
         else:
+            idle = {"--quick": quick, "--identify": identify, "--workers": workers is not None}
+            refuse_idle(f"the study {SONG}: {study} has no such choice", idle)
             reproduce_study(answer, study, out)
 
 

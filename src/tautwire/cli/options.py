@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from tautwire.cli.idle import refuse_rivals
 from tautwire.text import DESIGN
 
 
@@ -125,17 +126,24 @@ FreeUpliftOption = Annotated[
 
 def with_error(overrides: list[str], kind: str | None) -> list[str]:
     """Return the values to replace, with the kind of numerical error that was chosen among them."""
-    return overrides if kind is None else [*overrides, f"settings.error={json.dumps(kind)}"]
+    if kind is None:
+        return overrides
+    refuse_rivals("--error", "settings.error", overrides)
+    return [*overrides, f"settings.error={json.dumps(kind)}"]
 
 
 def with_accurate(overrides: list[str], accurate: bool) -> list[str]:
     """Return the values to replace, with the integrator of fourth order where it is wanted."""
-    return [*overrides, "settings.integrator=extrapolated"] if accurate else overrides
+    if not accurate:
+        return overrides
+    refuse_rivals("--accurate", "settings.integrator", overrides)
+    return [*overrides, "settings.integrator=extrapolated"]
 
 
 def with_condition(overrides: list[str] | None, condition: str | None) -> list[str]:
     """Return the values to replace, with the condition that was chosen among them."""
     if condition is None:
         return list(overrides or [])
+    refuse_rivals("--condition", "condition", overrides or ())
     chosen = None if condition == DESIGN else condition
     return [*(overrides or []), f"condition={json.dumps(chosen, ensure_ascii=False)}"]

@@ -216,8 +216,9 @@ class _Composer:
         sources = _own_sources(own.pop("sources", []), at, document.label)
         outer = self.result.shelf
         self._take_own_catalogue(own.pop("catalogue", None), document)
-        overlay, from_tables = self._tables(tables, own, document)
         part = self._mapping(own, at, document, (*trail, document))
+        line = _line_beside(part.values, trail)
+        overlay, from_tables = self._tables(tables, own, document, line)
         if trail:
             self.result.shelf = outer
         values = with_table(part.values, overlay)
@@ -366,9 +367,16 @@ class _Composer:
         return path
 
     def _tables(
-        self, tables: object, own: Mapping[str, Any], document: Document
+        self,
+        tables: object,
+        own: Mapping[str, Any],
+        document: Document,
+        line: Mapping[str, Any],
     ) -> tuple[dict[str, Any], Sources]:
-        """Read the tables of a document; return what they say about the case, and the sources."""
+        """Read the tables of a document beside the line of its case.
+
+        Returns what they say about the case, and the sources.
+        """
         files, mappings = _table_files(tables, document.label), []
         for kind, file in files.items():
             try:
@@ -377,7 +385,7 @@ class _Composer:
                 self._miss(error, (kind,))
         self.result.sheets += mappings
         try:
-            found = line_tables(mappings)
+            found = line_tables(mappings, line)
         except InputError as error:
             self._miss(error, files)
             return {}, []
@@ -406,6 +414,23 @@ def _refuse_foreign(document: Document, at: ValuePath) -> None:
             f"{document.label}: holds none of the keys of {format_path(at) or 'a case'}, which are "
             f"{', '.join(own)}; check that it is the right file"
         )
+
+
+def _line_beside(values: Mapping[str, Any], trail: Trail) -> dict[str, Any]:
+    """Return the line of the case that a document is part of, without what tables say about it.
+
+    Parameters
+    ----------
+    values
+        What the document and those that it includes say.
+    trail
+        The documents that include it; the outermost wins.
+    """
+    line: dict[str, Any] = {}
+    for content in (values, *(one.content for one in reversed(trail))):
+        if isinstance(own := content.get("line"), Mapping):
+            line = merge(line, own)
+    return line
 
 
 def _fields_at(at: ValuePath, spec: type[Spec]) -> list[Field]:

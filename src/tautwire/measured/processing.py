@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +122,8 @@ class AerodynamicCorrection:
     Parameters
     ----------
     speed, force : tuple of float m/s, N
-        Speeds increase; beyond the table the nearest value holds.
+        Speeds increase; beyond the table the nearest value holds, and the step says at how many
+        samples.
     direction : str
         Of running for which the table holds.
     """
@@ -135,11 +136,23 @@ class AerodynamicCorrection:
         """See :class:`ProcessingStep`."""
         if signal.recording.speed is None:
             raise ValueError("the recording has no speed for the aerodynamic correction")
-        added = np.interp(signal.recording.speed, self.speed, self.force)
+        speed = signal.recording.speed
+        added = np.interp(speed, self.speed, self.force)
         parameters = {
             "direction": self.direction, "speed_m_s": self.speed, "force_n": self.force,
+            **self._beyond(speed),
         }  # fmt: skip
         return _with(signal, Step("aerodynamic correction", parameters), signal.force + added)
+
+    def _beyond(self, speed: Array) -> dict[str, Any]:
+        """Say which share of the speeds (n,) [m/s] the table does not reach, and their range."""
+        outside = speed[(speed < self.speed[0]) | (speed > self.speed[-1])]
+        if not len(outside):
+            return {}
+        return {
+            "share_beyond_table": len(outside) / len(speed),
+            "speeds_beyond_m_s": (float(outside.min()), float(outside.max())),
+        }
 
 
 @dataclass(frozen=True)

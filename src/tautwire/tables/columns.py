@@ -39,6 +39,8 @@ class Field:
     repeated : frozenset of str
         What it is also called, folded, in a table with one row per span beside the number of a
         dropper; empty where it tells nothing of a single dropper.
+    short : frozenset of str
+        The same of words that mean other things as often, and are read with a unit only.
     with_unit : frozenset of str
         What it is called, folded, where its unit stands beside.
     plausible : (str, float, float) or None
@@ -53,9 +55,15 @@ class Field:
     keys: frozenset[str] = frozenset()
     is_numbered: bool = False
     repeated: frozenset[str] = frozenset()
+    short: frozenset[str] = frozenset()
     with_unit: frozenset[str] = frozenset()
     plausible: tuple[str, float, float] | None = None
     units: tuple[str, ...] = ()
+
+    @property
+    def is_of_one_dropper(self) -> bool:
+        """Whether a column may tell it of one dropper in a table with one row per span."""
+        return bool(self.repeated or self.short)
 
 
 @lru_cache(maxsize=len(BOOK_KINDS) + 1)
@@ -69,6 +77,7 @@ def fields_of(kind: str) -> tuple[Field, ...]:
             _keys(name, entry),
             entry.get("numbered", False),
             frozenset(map(folded, entry.get("repeated", ()))),
+            frozenset(map(folded, entry.get("short", ()))),
             frozenset(map(folded, entry.get("with_unit", ()))),
             tuple(entry["plausible"]) if "plausible" in entry else None,
             tuple(entry.get("units", ())),

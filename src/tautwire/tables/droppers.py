@@ -8,8 +8,9 @@ from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.tables.mapping import SheetMapping
+from tautwire.tables.plan import LinePlan
 from tautwire.tables.rows import Rows
-from tautwire.tables.values import ratio_of
+from tautwire.tables.values import CellError, ratio_of
 from tautwire.text import shortened
 
 IDENTITY = ("tension_length", "from", "to")
@@ -21,15 +22,6 @@ UNSTRAINED = "unstrained_length"
 NEAREST_LAST = 0.5
 """Share of the span beyond which the last of its droppers stands, where one row tells of a span:
 even two droppers stand on both sides of the middle."""
-
-
-@dataclass(frozen=True)
-class LinePlan:
-    """What a table of droppers is read beside: span lengths [m], names of masts, spans or 0."""
-
-    span_lengths: Sequence[float]
-    masts: Sequence[str]
-    spans: int
 
 
 @dataclass
@@ -169,11 +161,12 @@ def _check_spans(
     count = plan.spans or max(filled, default=0)
     missing = [str(span) for span in range(1, count + 1) if span not in filled]
     if missing:
-        text = f"no droppers for the spans {', '.join(missing)}"
+        text = f"no droppers for the spans {shortened(', '.join(missing), 100)}"
         rows.problems.append(f"{rows.sheet.label}: {text}")
     beyond = sorted({span for span in filled if not 1 <= span <= count})
     for span in beyond:
-        rows.complain(places.index(span), "span", f"got {span}; the line has {count} spans")
+        text = f"got {span}; the line has {count} span{'s' if count > 1 else ''}"
+        rows.complain(places.index(span), "span", text)
 
 
 def _check_columns(mapping: SheetMapping) -> None:
@@ -188,6 +181,12 @@ def _check_columns(mapping: SheetMapping) -> None:
     problems = []
     for name in dict.fromkeys(use.field.name for use in mapping.uses if use.dropper is not None):
         own = {use.dropper: use.heading for use in mapping.uses if use.field.name == name}
+        if None in own:
+            problems.append(
+                f"{mapping.sheet.label}: the column {own.pop(None)!r} has the {name} of one "
+                f"dropper per row, {next(iter(own.values()))!r} that of one of several; rename "
+                "the one that is not meant"
+            )
         missing = ", ".join(str(number) for number in wanted if number not in own)
         if missing:
             there = ", ".join(map(repr, own.values()))
@@ -205,14 +204,14 @@ def _check_rows_of_spans(
     """Complain of spans that have two rows, and of distances that are not counted from the mast."""
     if not rows.mapping.droppers or rows.problems:
         return
-    lengths, first_of = plan.span_lengths, dict[int, int]()
+    first_of = dict[int, int]()
     for index, (row, place) in enumerate(zip(rows.indices, places, strict=True)):
         if first_of.setdefault(place, row) != row:
             rows.complain(index, "span", f"span {place} has a row above; one row per span is read")
             return
     last = {place: index for index, place in enumerate(places)}
     for place, index in last.items():
-        span = lengths[place - 1] if 0 < place <= len(lengths) else 0.0
+        span = plan.span_length(place) or 0.0  # a line without any is refused with its case
         is_alone = index == 0 or places[index - 1] != place
         if not is_alone and 0.0 < positions[index] < NEAREST_LAST * span:
             text = (
@@ -277,17 +276,11 @@ def span_of_rows(rows: Rows, plan: LinePlan) -> list[int]:
     spans, last = [], ""
     for index, name in enumerate(names):
         last = name or last
-        count = plan.masts.count(last)
-        if count != 1:
-            fault = (
-                "which is not in the table of supports"
-                if not count
-                else (f"a name that {count} supports have")
-            )
-            rows.complain(index, "mast", f"got {last!r}, {fault}")
+        try:
+            spans.append(plan.mast(last) if plan.masts else plan.support(last))
+        except CellError as error:
+            rows.complain(index, "mast", str(error))
             spans.append(1)
-        else:
-            spans.append(plan.masts.index(last) + 1)
     return spans
 
 
@@ -301,9 +294,20 @@ def _kinds_of_length(
             columns[key] = values
     share = rows.mapping.use("presag")
     if share is not None and "presag" in columns and ratio_of(share.unit) is not None:
-        spans = plan.span_lengths
         columns["presag"] = [
-            value * spans[span - 1] if value is not None and 0 < span <= len(spans) else value
-            for value, span in zip(columns["presag"], places, strict=True)
+            None if value is None else value * _span_of_share(rows, plan, index, span)
+            for index, (value, span) in enumerate(zip(columns["presag"], places, strict=True))
         ]
     return columns
+
+
+def _span_of_share(rows: Rows, plan: LinePlan, index: int, span: int) -> float:
+    """Return the length [m] of the span of which a row tells shares."""
+    length = plan.span_length(span)
+    if length is None:
+        text = (
+            f"is a share of span {span}, of which neither the case nor a table of supports has the "
+            "length; give line.span_length, or the pre-sag in mm"
+        )
+        rows.complain(index, "presag", text)
+    return length or 0.0

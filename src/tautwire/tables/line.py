@@ -12,10 +12,12 @@ from typing import Any
 from tautwire.errors import InputError
 from tautwire.specs.line.wire import ROLES
 from tautwire.tables.columns import role_of
-from tautwire.tables.droppers import LinePlan, check_order, read_droppers, span_of_rows
+from tautwire.tables.droppers import check_order, read_droppers, span_of_rows
 from tautwire.tables.mapping import SheetMapping
+from tautwire.tables.plan import LinePlan, known_line
 from tautwire.tables.rows import LATERAL, Rows
 from tautwire.tables.sheets import LONGEST_CELL, Cell
+from tautwire.tables.values import CellError
 
 Path = tuple[str | int, ...]
 _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2} 00:00:00$")
@@ -61,23 +63,37 @@ class LineTables:
         Cell from which each single value was read.
     notes : list of str
         What was understood in a way that should be known.
+    beside : dict
+        What the case says about the line, which holds where no table does.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
     said: list[Said] = field(default_factory=list)
     origins: dict[Path, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    beside: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def line(self) -> dict[str, Any]:
+        """What is known about the line: spans and masts of the case, and what tables say."""
+        return self.beside | self.values.get("line", {})
 
 
-def read_line(mappings: Sequence[SheetMapping]) -> LineTables:
+def read_line(mappings: Sequence[SheetMapping], beside: Any = None) -> LineTables:
     """Read the sheets of one line.
+
+    Parameters
+    ----------
+    mappings
+    beside
+        The block ``line`` of the case that names the tables, as plain data; None without one.
 
     Raises
     ------
     InputError
         Naming every cell that cannot be used.
     """
-    result, problems = LineTables(), _twice(mappings)
+    result, problems = LineTables(beside=known_line(beside)), _twice(mappings)
     order = list(_READERS)
     for mapping in sorted(mappings, key=lambda one: order.index(one.kind)):
         rows = Rows(mapping)
@@ -118,7 +134,7 @@ def _supports(rows: Rows, result: LineTables) -> None:
         line["span_length"] = lengths
         for index in range(len(lengths)):
             result.origins["line", "span_length", index] = rows.place(index, column)
-    sign = _side(rows, line)
+    sign = _side(rows, result.beside | line)
     supports: dict[str, Any] = {}
     for name in ("contact_height", "encumbrance", "contact_stagger", "messenger_stagger", "hinge"):
         if (values := rows.full(name)) is not None:
@@ -227,8 +243,8 @@ def _column_of_spans(rows: Rows, spans: Sequence[float | None], result: LineTabl
 
 
 def _plan(result: LineTables) -> LinePlan:
-    line = result.values.get("line", {})
-    return LinePlan(line.get("span_length", []), line.get("masts", []), line.get("spans", 0))
+    line = result.line
+    return LinePlan(line.get("span_length", ()), line.get("masts", ()), line.get("spans", 0))
 
 
 def _droppers(rows: Rows, result: LineTables) -> None:
@@ -310,7 +326,7 @@ def _fittings(
     for key, name in (texts | {"wire": "wire", "tension_length": "tension_length"}).items():
         columns[key] = rows.texts(name) or ()
     for name in numbers:
-        sign = _side(rows, result.values.get("line", {})) if name in LATERAL else 1.0
+        sign = _side(rows, result.line) if name in LATERAL else 1.0
         values = rows.numbers(name) or ()
         columns[name] = [None if value is None else sign * value + 0.0 for value in values]
     kind = rows.mapping.kind
@@ -351,12 +367,11 @@ def _support(rows: Rows, index: int, name: str, text: str | None, plan: LinePlan
         if name != "fixed_point":
             rows.complain(index, name, "is empty")
         return None
-    if plan.masts.count(text) == 1:
-        return plan.masts.index(text) + 1
-    if text.isdecimal():
-        return int(text)
-    rows.complain(index, name, f"got {text!r}; give the name of a mast or the number of a support")
-    return None
+    try:
+        return plan.support(text)
+    except CellError as error:
+        rows.complain(index, name, str(error))
+        return None
 
 
 def _overlaps(rows: Rows, result: LineTables) -> None:

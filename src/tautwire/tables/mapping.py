@@ -14,7 +14,8 @@ from typing import Any, Literal
 from tautwire.errors import InputError
 from tautwire.specs.line.dropper import MOST_DROPPERS
 from tautwire.specs.schema.vocabulary import folded
-from tautwire.tables.by_span import read_by_span, with_one_row_of_headings
+from tautwire.tables.by_span.doubts import NumberedColumn, doubts
+from tautwire.tables.by_span.headings import POSITION, read_by_span, with_one_row_of_headings
 from tautwire.tables.columns import (
     ANY,
     COUNT,
@@ -150,6 +151,7 @@ def propose(sheet: Sheet, kinds: Sequence[str] = KINDS) -> SheetMapping | None:
     if best.kind == RECORDING:
         return _first_of_double(_with_units_alone(best))
     _refuse_double(best)
+    _refuse_doubtful(best, fields_of(best.kind))
     return best
 
 
@@ -223,9 +225,11 @@ def refuse_headings(
     row = mapping.heading_row if mapping is not None else 0
     headings = [str(cell) for cell in sheet.rows[row] if cell is not None]
     used = {use.field.name for use in mapping.uses} if mapping is not None else set()
-    problems = [fault for text in headings if (fault := _fault_of(text, fields, used))]
+    read = {use.heading for use in mapping.uses} if mapping is not None else set()
+    unread = [text for text in headings if text not in read]
+    problems = [fault for text in unread if (fault := _fault_of(text, fields, used))]
     if mapping is None:
-        if not problems and any(field.repeated for field in fields):
+        if not problems and any(field.is_of_one_dropper for field in fields):
             _refuse_without_positions(sheet)
         known = {name for text in headings if (name := _named_field(text, fields))}
         there = f"; there are: {shortened(', '.join(headings), 200)}" if known or problems else ""
@@ -238,6 +242,7 @@ def refuse_headings(
         raise InputError([f"{sheet.label}: {text}" for text in problems])
     if mapping is not None:
         _refuse_double(mapping)
+        _refuse_doubtful(mapping, fields)
 
 
 def _named_field(heading: str, fields: Sequence[Field]) -> str | None:
@@ -324,7 +329,8 @@ def _matched(
     }
     found = {column: read_heading(*texts, fields) for column, texts in headings.items()}
     left = {column: texts for column, texts in headings.items() if found[column] is None}
-    found |= read_by_span(sheet, row, left, fields)
+    is_by_row = any(one is not None and one.field.name == POSITION for one in found.values())
+    found |= read_by_span(sheet, row, left, fields, is_by_row=is_by_row)
     aside = [headings[column][0] for column, reading in found.items() if reading is None]
     uses = [
         _use(column, headings[column][0], reading)
@@ -382,6 +388,22 @@ def _refuse_double(mapping: SheetMapping) -> None:
                 f"{mapping.sheet.label}: the columns {other.heading!r} and {use.heading!r} could "
                 f"both be {use.field.name}; rename one, or say in a mapping file which is meant"
             )
+
+
+def _refuse_doubtful(mapping: SheetMapping, fields: Sequence[Field]) -> None:
+    """Refuse columns of single droppers that may hold something else."""
+    if not mapping.droppers:
+        return
+    sheet, row = mapping.sheet, mapping.heading_row
+    units = _units_below(sheet, row)
+    uses = {use.column: Reading(use.field, use.unit, dropper=use.dropper) for use in mapping.uses}
+    columns = [
+        NumberedColumn(column, cell, units.get(column, ""), uses.get(column))
+        for column, cell in enumerate(sheet.rows[row])
+        if isinstance(cell, str) and (column not in uses or uses[column].dropper is not None)
+    ]
+    if problems := doubts(sheet, row, columns, fields):
+        raise InputError([f"{sheet.label}: {text}" for text in problems])
 
 
 def _with_units_alone(mapping: SheetMapping) -> SheetMapping:

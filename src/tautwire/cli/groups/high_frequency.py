@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.options import (
     CaseArgument,
     ConditionOption,
@@ -71,6 +72,8 @@ def modes(
     with answering(as_json) as answer:
         from tautwire.cli.commands.modes import ModesRequest, find_modes
 
+        idle = {"--project": project if out is None else None}
+        refuse_idle("--out DIR: it stands on the page that is written there", idle)
         changes = with_condition(overrides, condition)
         request = ModesRequest(case, changes, near, count, wavelength, out, project)
         find_modes(answer, request)

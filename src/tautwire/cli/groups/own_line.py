@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.options import JsonOption, LimitsOption
 from tautwire.cli.session import answering
 
@@ -48,7 +49,10 @@ def catalogue(
         from tautwire.cli.commands.inputs.catalogue import copy_entry, show_catalogue
 
         words = " ".join(name or [])
+        refuse_idle("--copy FILE: it replaces that file", {"--force": force and copy is None})
         if copy is not None:
+            idle = {"--kind": kind}
+            refuse_idle("a list to choose from; --copy takes the entry by its whole name", idle)
             copy_entry(answer, words, copy, own, force=force)
         else:
             show_catalogue(answer, words, kind, own)
@@ -111,7 +115,10 @@ def limits(
     with answering(as_json) as answer:
         from tautwire.cli.commands.inputs.limits import copy_limits, show_limits
 
+        refuse_idle("--copy FILE: it replaces that file", {"--force": force and copy is None})
         if copy is not None:
+            idle = {"--limits": file}
+            refuse_idle("no --copy, which writes the limits of the program", idle)
             copy_limits(answer, copy, force=force)
         else:
             show_limits(answer, file)

@@ -107,11 +107,20 @@ def case_of(workbook: Workbook) -> tuple[dict[str, Any], LineTables]:
     InputError
         Naming every cell that cannot be used.
     """
-    tables = line_tables(workbook.mappings)
+    tables = line_tables(workbook.mappings, _line_said(workbook))
     said = said_values(tables)
     if "schema" in said:
         return with_table(said, tables.values), tables
     return _completed(workbook, said, tables), tables
+
+
+def _line_said(workbook: Workbook) -> Any:
+    """Return what the tables of values say about the line; faults in them are told later."""
+    try:
+        found = line_tables([one for one in workbook.mappings if one.kind == "values"])
+        return said_values(found).get("line")
+    except InputError:
+        return None
 
 
 def _completed(workbook: Workbook, said: dict[str, Any], tables: LineTables) -> dict[str, Any]:

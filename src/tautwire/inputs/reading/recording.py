@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.inputs.reading.documents import parse_document
@@ -172,7 +173,14 @@ def _mappings_of(
 
 
 def _read_mapping(path: Path, source: Source) -> list[SheetMapping]:
-    data = parse_document(read_case_text(path), str(path), ".yaml")
+    return _applied(_document(path), path, source)
+
+
+def _document(path: Path) -> dict[str, Any]:
+    return parse_document(read_case_text(path), str(path), ".yaml")
+
+
+def _applied(data: dict[str, Any], path: Path, source: Source) -> list[SheetMapping]:
     found = apply_mapping(source.sheets, data, str(path), (RECORDING,))
     if len(found) != 1 and not (found and source.is_one_record):
         raise InputError(f"{path}: describes {len(found)} sheets; a recording is one")
@@ -184,14 +192,18 @@ def _neighbour(file: Path, source: Source) -> Path | None:
     candidates = sorted(file.parent.glob(f"*{MAPPING}"))[:MOST_MAPPINGS]
     for path in candidates:
         try:
-            mappings = _read_mapping(path, source)
+            data = _document(path)
+            mappings = _applied(data, path, source)
         except InputError:
             continue
-        if all(
-            {u.heading for u in one.uses} | set(one.aside) == _headings(one) for one in mappings
-        ):
+        if all(_named_columns(data, one) == _headings(one) for one in mappings):
             return path
     return None
+
+
+def _named_columns(data: dict[str, Any], mapping: SheetMapping) -> set[str]:
+    """Return the headings that a mapping file has an entry for, read or aside."""
+    return set(data["sheets"][mapping.sheet.name].get("columns") or {})
 
 
 def _headings(mapping: SheetMapping) -> set[str]:

@@ -250,6 +250,11 @@ def _place(cells: dict[str, float | str | None], case: Case) -> dict[str, Any]:
         names = case.line.support_marks()
         if mast not in names:
             raise CellError(f"names mast {mast}, which the line does not have (line.masts)")
+        if names.count(mast) > 1:
+            raise CellError(
+                f"names mast {mast}, as {names.count(mast)} supports are called; give the number "
+                "of the support, in a column 'Support'"
+            )
         return {"support": names.index(str(mast)) + 1}
     if cells.get("position") is not None:
         return {"s": float(cells["position"] or 0.0)}

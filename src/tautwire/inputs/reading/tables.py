@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from tautwire.errors import InputError
 from tautwire.inputs.paths import Path as ValuePath
@@ -69,8 +70,8 @@ def line_sheet(kind: str, path: Path) -> SheetMapping:
     return _matched(open_sheets(path), kind, fields_of(kind), NEEDS[kind])
 
 
-def line_tables(mappings: Sequence[SheetMapping]) -> LineTables:
-    """Read matched sheets of one line.
+def line_tables(mappings: Sequence[SheetMapping], beside: Any = None) -> LineTables:
+    """Read matched sheets of one line, beside what the case says about it.
 
     Raises
     ------
@@ -78,7 +79,7 @@ def line_tables(mappings: Sequence[SheetMapping]) -> LineTables:
         Naming every cell that cannot be used, those of a kind counted.
     """
     try:
-        return read_line(mappings)
+        return read_line(mappings, beside)
     except InputError as error:
         raise InputError(grouped(error.problems)) from None
 

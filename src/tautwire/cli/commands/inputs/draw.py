@@ -9,6 +9,7 @@ from pathlib import Path
 from tautwire.analyses.road.shape import find_shape
 from tautwire.cli.about import program
 from tautwire.cli.commands.results import refuse_unwritable
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_tables
 from tautwire.cli.views.tables import facts, heading
@@ -54,6 +55,9 @@ def draw_plan(answer: Answer, request: DrawRequest) -> None:
             problems += error.problems
     if problems:
         raise InputError(problems)
+    if all(path.suffix.lower() == ".dxf" for path in wanted):
+        needs = "a file in .svg or .pdf: DXF has neither sheets nor a title block"
+        refuse_idle(needs, {"--paper": request.paper, "--project": request.project})
     announce_tables(answer, request.case)
     case = with_project(load_case(request.case, request.overrides), request.project)
     answer.say(program(case.settings.backend))

@@ -22,6 +22,7 @@ from tautwire.assessment.limits import Limits, load_limits
 from tautwire.cli.commands.measuring.measured import RecordingRequest, quantity
 from tautwire.cli.commands.results import load_runs
 from tautwire.cli.folders import Files, prepared_folder, tell_files
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
@@ -49,6 +50,7 @@ from tautwire.specs.project import Project
 from tautwire.text import csv_text
 from tautwire.version import __version__
 
+NO_OFFSET = "0 m"
 FARTHEST = 1e7
 """Largest offset and search [m], that of the chainage of a line."""
 
@@ -78,7 +80,7 @@ class ComparisonRequest:
     files: tuple[Path, ...]
     reading: RecordingRequest
     pantographs: tuple[str, ...] = ()
-    offset: str = "0 m"
+    offset: str = NO_OFFSET
     search: str | None = None
     limits: Path | None = None
     points: Path | None = None
@@ -152,6 +154,7 @@ _Pointed = list[tuple[Run, PointComparison]]
 
 def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -> None:
     """Compare stored runs with what was measured, show the tables and write the files asked for."""
+    _refuse_idle(request, out)
     options = _Options.of(request)
     pairs, paths = request.pairs(), request.runs()
     runs = dict(zip(paths, load_runs(paths), strict=True))
@@ -161,6 +164,26 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     points = _pointed(answer, request, runs, options)
     if out is not None:
         _write_files(answer, out, found, points, options.project)
+
+
+def _refuse_idle(request: ComparisonRequest, out: Path | None) -> None:
+    """Refuse options for a recording, points or files where there are none."""
+    if request.points is None:
+        refuse_idle(
+            "--points FILE with elasticity", {"--elasticity-force": request.elasticity_force}
+        )
+    if out is None:
+        needs = "--out DIR: it stands on the page that is written there"
+        refuse_idle(needs, {"--project": request.project})
+    reading = request.reading
+    if len(request.runs()) == len(request.files):
+        given = {
+            "--pantograph": request.pantographs, "--offset": request.offset != NO_OFFSET,
+            "--search": request.search, "--mapping": reading.mapping, "--speed": reading.speed,
+            "--strip-mass": reading.masses, "--filtered": reading.is_filtered,
+            "--air": reading.air, "--reversed": reading.is_reversed,
+        }  # fmt: skip
+        refuse_idle("a recording beside the runs", given)
 
 
 def _recorded(
@@ -205,6 +228,13 @@ def _recorded(
         told[-1] |= compared.as_dict()
         answer.warn([*compared.notes, *_faults(compared)])
         answer.show(*_comparison_view(run_file, compared), *_geometry_view(geometry))
+    if told and not found:
+        given = {
+            "--pantograph": request.pantographs, "--search": request.search,
+            "--strip-mass": request.reading.masses, "--filtered": request.reading.is_filtered,
+            "--air": request.reading.air,
+        }  # fmt: skip
+        refuse_idle("a contact force; no recording has one", given)
     answer.document.update({"version": __version__, "comparisons": told})
     if found:
         answer.document["covers"] = covered([compared.coverage for _, compared in found])
@@ -224,7 +254,10 @@ def _pointed(
         assert request.points is not None
         survey = load_survey(request.points, run.case)
         curve = None
-        if survey.of("elasticity"):
+        if not survey.of("elasticity"):
+            needs = f"elasticity to be compared; {request.points} has none"
+            refuse_idle(needs, {"--elasticity-force": request.elasticity_force})
+        else:
             curve = elasticity(build(run.case), run.equilibrium, force=options.elasticity_force)
         section = analysed_section(run, (1, run.case.line.spans))
         uplift = support_uplift(run, section).uplift

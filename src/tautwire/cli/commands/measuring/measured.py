@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tautwire.cli.folders import Files, prepared_folder, tell_files
+from tautwire.cli.idle import refuse_idle
 from tautwire.cli.json_text import to_json
 from tautwire.cli.session import Answer
 from tautwire.cli.views.mapping_view import announce_recording
@@ -20,6 +24,9 @@ from tautwire.measured.evaluation import Evaluation, Treatment, evaluate
 from tautwire.text import csv_text
 from tautwire.units import UnitError, parse_quantity
 from tautwire.version import __version__
+
+STRETCH = "1 km"
+"""Stretches of the statistics that nobody has asked to be others."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class RecordingRequest:
     speed: str | None = None
     masses: tuple[str, ...] = ()
     is_filtered: bool = False
-    stretch: str = "1 km"
+    stretch: str = STRETCH
     high: str | None = None
     hard: str | None = None
     air: Path | None = None
@@ -57,6 +64,8 @@ class RecordingRequest:
 
     def treatment(self) -> Treatment:
         """Return how the recording is processed."""
+        idle = {"--reversed": self.is_reversed and self.air is None}
+        refuse_idle("--air: it chooses between the forces of that table", idle)
         masses = [quantity("--strip-mass", text, "kg", 0.0, 100.0) for text in self.masses]
         stretch = quantity("--every", self.stretch, "m", 1.0, 1e6)
         changes: dict[str, Any] = {"lowpass": None} if self.is_filtered else {}
@@ -68,6 +77,47 @@ class RecordingRequest:
             hard_above=quantity("--hard", self.hard, "m/s^2", 1.0, 1e5),
             **changes,
         )
+
+    def refuse_idle(self, opened: RecordingFile) -> None:
+        """Refuse options for channels that the file does not have.
+
+        Raises
+        ------
+        InputError
+            Naming every one of them.
+        """
+        problems: list[str] = []
+        for needs, given in self._idle(opened):
+            try:
+                refuse_idle(f"{needs}; {opened.path} has none", given)
+            except InputError as error:
+                problems += error.problems
+        if problems:
+            raise InputError(problems)
+
+    def _idle(self, opened: RecordingFile) -> Iterator[tuple[str, dict[str, object]]]:
+        """Yield what the file lacks, and the options that need it."""
+        recording = opened.recording
+        if not len(recording.accelerations):
+            yield "accelerometers of the head", {"--hard": self.hard}
+        if not len(recording.forces):
+            yield "a contact force", {
+                "--filtered": self.is_filtered, "--strip-mass": self.masses, "--high": self.high,
+                "--air": self.air, "--every": self.stretch != STRETCH,
+            }  # fmt: skip
+        elif recording.distance is None:
+            yield "a position or speed", {"--every": self.stretch != STRETCH}
+        if has_pace(opened):
+            yield (
+                "a file without time and speed, or without position and speed",
+                {"--speed": self.speed},
+            )
+
+
+def has_pace(opened: RecordingFile) -> bool:
+    """Tell whether a file itself says how fast the train ran: by a speed, or a time and a way."""
+    there = {one.use.field.name for one in opened.channels if np.isfinite(one.values).any()}
+    return "speed" in there or ("time" in there and not there.isdisjoint(("position", "odometer")))
 
 
 def quantity(option: str, text: str | None, unit: str, low: float, high: float) -> float | None:
@@ -93,6 +143,7 @@ def show_recording(answer: Answer, request: RecordingRequest, out: Path | None) 
     """Read, process and show a recording, and write the files that are asked for."""
     treatment = request.treatment()
     opened = request.opened()
+    request.refuse_idle(opened)
     found = evaluate(opened.recording, treatment)
     announce_recording(answer, opened)
     answer.document.update({"version": __version__, **found.as_dict()})

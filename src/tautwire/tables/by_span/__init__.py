@@ -1,0 +1,1 @@
+"""Tables of droppers with one row per span."""
