@@ -10,8 +10,9 @@ import pytest
 
 from tautwire.analyses.road.elasticity import elasticity
 from tautwire.model.build import build
-from tautwire.results.storage import load_run
+from tautwire.results.storage import load_run, save_run
 
+from ..unit.synthetic import make_run
 from .conftest import Invoke, Outcome
 
 
@@ -64,6 +65,7 @@ def test_hard_spots_are_events(invoke: Invoke, tmp_path: Path) -> None:
     shown = invoke("measured", path, "--out", "out")
     assert shown.code == 0, shown.err
     assert "hard spot" in shown.out
+    assert "examined share 1" in " ".join(shown.out.split())
     page = (tmp_path / "out" / "measured.html").read_text(encoding="utf-8")
     assert "hard spots by the step of that name" in page
     (event,) = invoke("measured", path, "--json").document["events"]
@@ -106,6 +108,9 @@ def test_refusals_have_a_cure(invoke: Invoke, tmp_path: Path) -> None:
     heavy = invoke("measured", path, "--speed", "200 km/h", "--strip-mass", "3 kg")
     assert heavy.code == 2
     assert "strip 1 has no accelerometer" in heavy.err
+    assert "0 kg" in heavy.err
+    light = invoke("measured", path, "--speed", "200 km/h", "--strip-mass", "0 kg", "--json")
+    assert light.document["steps"][1] == {"name": "inertia correction", "mass_kg": {"1": 0.0}}
 
 
 def test_compare_several(short_run: tuple[Path, Outcome], invoke: Invoke, tmp_path: Path) -> None:
@@ -129,6 +134,13 @@ def test_compare_several(short_run: tuple[Path, Outcome], invoke: Invoke, tmp_pa
     assert "give the offset of the measurement's zero" in apart.err
     assert invoke("compare", run, "b.csv", "--offset", "-12 km").code == 0
     assert "give a recording too" in invoke("compare", run).err
+    turned = invoke("compare", "a.csv", run)
+    assert (turned.code, turned.out) == (2, "")
+    assert f"a.csv is no run, but {run} is; give the run first" in turned.err
+    assert "a.csv is no run; give the result file of one first" in invoke("compare", "a.csv").err
+    assert "is no run" in invoke("compare", "a.csv", "b.csv").err
+    (tmp_path / "cut.nc").write_bytes(run.read_bytes()[:300])
+    assert "cut.nc: is cut off" in invoke("compare", "cut.nc", "a.csv").err
     assert "make no pairs" in invoke("compare", run, run, "a.csv", "a.csv", "b.csv").err
     assert "no pantograph" in invoke("compare", run, "a.csv", "--pantograph", "fifth").err
     assert "'tautwire report" in invoke("measured", run).err
@@ -295,6 +307,21 @@ def test_compare_with_elasticity_and_uplift(
     assert judged.code == 0, judged.err
     numbers = [r["numbers"] for r in judged.document["points"][0]["rows"]]
     assert {one["passed"] for one in numbers if one["quantity"] == "elasticity"} == {True}
+
+
+def test_compare_says_that_a_run_is_not_complete(invoke: Invoke, tmp_path: Path) -> None:
+    """A run that stopped is told once on the terminal, its state stands in the JSON, and supports
+    that it did not reach are left out."""
+    save_run(make_run(status="partial", duration=4.0), tmp_path / "part.nc")
+    (tmp_path / "places.csv").write_text("Support,Uplift [mm]\n5,30\n12,30\n")
+    shown = invoke("compare", "part.nc", "--points", "places.csv")
+    assert shown.code == 0, shown.err
+    assert shown.err.count("not complete") == 1
+    assert "part.nc: the run is not complete (partial" in shown.err
+    assert "no pantograph reached" in shown.err
+    (points,) = invoke("compare", "part.nc", "--points", "places.csv", "--json").document["points"]
+    assert points["status"] == "partial"
+    assert [row["place"] for row in points["rows"]] == ["support 5"]
 
 
 OWN_TOLERANCE = """

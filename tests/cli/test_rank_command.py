@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tautwire.analyses.survey.corrections import Correction
+from tautwire.analyses.survey.rank import Figures, Ranked, Ranking
 from tautwire.cli.session import Interrupted
 
 from ..verification.test_rank import design, wrong
@@ -36,7 +38,7 @@ def test_shows_and_writes(invoke: Invoke, tmp_path: Path) -> None:
 
 def test_several_tension_lengths_make_one_list(invoke: Invoke, tmp_path: Path) -> None:
     """Two lines are one list with masts and chainage; --first takes the worst of both to the
-    crew's page, and only in the line where it lies something is gained."""
+    crew's page, and only in the line where it lies something changes."""
     line = {"line.masts": ["12-1", "12-3", "12-5", "12-7"],
             "line.chainage": [12e3, 12055.0, 12110.0, 12165.0]}  # fmt: skip
     case = design(3).with_(**line)
@@ -56,6 +58,51 @@ def test_several_tension_lengths_make_one_list(invoke: Invoke, tmp_path: Path) -
     page = (tmp_path / "out" / "corrections.html").read_text(encoding="utf-8")
     assert "built-2: dropper 5 of span 2, mast 12-3 to 12-5, km 12.082" in page
     assert "built-1:" not in page
+
+
+def _ranking(built: float, checked: float) -> Ranking:
+    """Return a ranking of two corrections, of which the first raises the deviation by itself."""
+    case = design(3)
+    ranked = tuple(
+        Ranked(
+            correction=Correction(place, "dropper", 2, place, 60.0 + place, 1.0, 1.02),
+            effect=3.0 - place, alone=Figures(25.0 + rise, 150.0, 60.0, 0.0),
+            together=Figures(checked, 150.0, 60.0, 0.0), uplift=0.0, place=place,
+        )
+        for place, rise in ((1, 0.4), (2, -0.3))
+    )  # fmt: skip
+    figures = (Figures(value, 150.0, 60.0, 0.0) for value in (built, checked))
+    first, then = figures
+    return Ranking(case, first, ranked, 2, then, passages=3, length=165.0, cpu=1.0)
+
+
+def test_corrections_that_make_a_line_worse_are_told(
+    invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the standard deviation with the first corrections is above that as built, terminal and
+    page warn; nobody is told of a gain; corrections that raise it by themselves are marked."""
+    path = tmp_path / "line.json"
+    path.write_text(json.dumps(design(3).to_dict()), encoding="utf-8")
+    for checked, warns in ((25.6, True), (24.0, False)):
+        ranking = _ranking(25.0, checked)
+        monkeypatch.setattr(
+            "tautwire.cli.commands.measuring.rank.rank_lines",
+            lambda *_, found=ranking, **__: [found],
+        )
+        (tmp_path / f"out-{warns}").mkdir()
+        shown = invoke("rank", path, path, "--out", f"out-{warns}")
+        assert shown.code == 0, shown.err
+        page = (tmp_path / f"out-{warns}" / "corrections.html").read_text(encoding="utf-8")
+        text = f"σ is {checked:.2f} N, more than the 25.00 N as built"
+        assert (text in " ".join(shown.err.split())) is warns
+        assert (text in page) is warns
+        assert "What the first change together" in shown.out
+        assert "What they change" in page
+        assert "gain" not in shown.out
+        assert "+0.400 ↑" in shown.out
+        assert "-0.300 ↑" not in shown.out
+        assert "1 ↑" in page
+        assert "2 ↑" not in page
 
 
 def test_cases_come_in_pairs(invoke: Invoke, tmp_path: Path) -> None:

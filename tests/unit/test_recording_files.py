@@ -270,7 +270,8 @@ def test_measuring_train_with_sensors(tmp_path: Path) -> None:
         "P.F_1_2 [N],P.F_2_1 [N],P.F_2_2 [N],P.Fext [N],P.Stagger [mm],P.Height_WS [mm]\n"
     )
     rows = [
-        f"{n},45+{x:07.2f},216.0,{0.1 * np.sin(n):.3f},0.1,{f / 4:.2f},{f / 4 + 1:.2f},{f / 4:.2f},"
+        f"{n},45+{x:07.2f},216.0,{0.1 * np.sin(n):.3f},{0.1 * np.cos(n):.3f},{f / 4:.2f},"
+        f"{f / 4 + 1:.2f},{f / 4:.2f},"
         f"{'epäluku' if n in (40, 41) else f'{f / 4 - 1:.2f}'},{f + 3:.2f},"
         f"{150 * np.cos(np.pi * x / 50):.1f},5300\n"
         for n, (x, f) in enumerate(zip(place.tolist(), force.tolist(), strict=True))

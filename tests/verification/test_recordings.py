@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 import tautwire as tw
 from tautwire.errors import InputError
 from tautwire.measured.alignment import Alignment, align
-from tautwire.measured.evaluation import evaluate
+from tautwire.measured.evaluation import Treatment, evaluate
 from tautwire.measured.events import force_events, hard_spots
 from tautwire.measured.faults import find_faults, without_faulty_samples
 from tautwire.measured.processing import (
@@ -25,6 +26,8 @@ from tautwire.measured.processing import (
 )
 from tautwire.measured.recording import Recording
 from tautwire.measured.summary import stretch_statistics
+from tautwire.report.pages.measured_page import write_measured_page
+from tautwire.report.parts.recordings.measured import event_rows
 from tautwire.signals.filters import SharpLowpass
 
 from ..recordings import (
@@ -428,7 +431,121 @@ def test_a_limit_of_ones_own_for_hard_spots() -> None:
     few, (step,) = hard_spots(recording, None, 490.0)
     assert [one.extreme for one in few] == [600.0, 550.0]
     assert step.parameters == {"by": "acceleration of the head", "limit_m_s2": {1: 490.0},
-                               "source": "given"}  # fmt: skip
+                               "source": "given", "examined_share": 1.0}  # fmt: skip
+
+
+def _shaken(accelerations: Array, strips: list[int], **changes: Any) -> Recording:
+    """Return a recording of 4 s at 1 kHz with the accelerations, 70 m/s fast, and a force."""
+    time = np.arange(0.0, 4.0, 1e-3)
+    whole = Recording(
+        "shaken", time, 100.0 + np.sin(40.0 * time)[None], np.array([1]), accelerations,
+        np.array(strips), distance=70.0 * time,
+    )  # fmt: skip
+    return whole.with_(**changes)
+
+
+def _shock(*blows: tuple[int, int, float]) -> Array:
+    """Return accelerations of 4 s at 1 kHz with blows: first sample, samples, height [m/s2]."""
+    values = np.random.default_rng(5).normal(0.0, 1.0, 4000)
+    for first, count, height in blows:
+        values[first : first + count] = height
+    return values
+
+
+def test_hard_spots_without_a_way_have_no_position() -> None:
+    """Without way and chainage blows a second apart are two, those within 0.1 s one, on the
+    acceleration; they have no position, nor have losses, and the force is told over the time."""
+    shock = _shock((500, 6, 300.0), (560, 6, 600.0), (2000, 6, 550.0), (2900, 6, 400.0))
+    recording = _shaken(shock[None], [1], distance=None)
+    hard, _ = hard_spots(recording, None, 290.0)
+    assert [one.extreme for one in hard] == pytest.approx([600.0, 550.0, 400.0], abs=0.2)
+    assert np.isnan([one.position for one in hard]).all()
+    lost = np.arange(4000) // 200 == 16
+    force = np.where(lost, -20.0, 100.0) + _shock()
+    found = evaluate(recording.with_(forces=force[None]), Treatment(hard_above=290.0))
+    assert {one["kind"] for one in found.events} >= {"loss", "hard spot"}
+    assert {one["position"] for one in found.as_dict()["events"]} == {None}
+    assert {row[1] for row in event_rows(found)} == {"\N{EN DASH}"}
+    assert found.abscissa[0] == "time [s]"
+    assert np.isfinite(found.abscissa[1]).all()
+
+
+def test_hard_spots_are_placed_by_chainage_alone() -> None:
+    """A chainage that falls is the way too, where no other was recorded."""
+    shock = _shock((500, 6, 300.0), (540, 6, 600.0), (2000, 6, 550.0))
+    chainage = 9000.0 - 70.0 * 1e-3 * np.arange(4000)
+    hard, _ = hard_spots(_shaken(shock[None], [1], distance=None, chainage=chainage), None, 290.0)
+    assert [one.position for one in hard] == pytest.approx([chainage[540], chainage[2000]])
+
+
+def test_events_end_with_the_sample_after_them() -> None:
+    """A hard spot of six samples at 1 kHz lasts 6 ms, as a loss of six does; what lasts to the end
+    ends with the last sample."""
+    shock = _shock((500, 6, 300.0), (3994, 6, 300.0))
+    recording = _shaken(shock[None], [1])
+    hard, _ = hard_spots(recording, None, 290.0)
+    assert [one.end - one.start for one in hard] == pytest.approx([6e-3, 5e-3])
+    force = np.where(shock == 300.0, -1.0, 100.0)
+    losses = force_events(recording.time, recording.time, force, loss_below=0.0, high_above=1e3)
+    assert [(one.start, one.end) for one in losses] == [(one.start, one.end) for one in hard]
+
+
+def test_an_accelerometer_that_reads_nothing_hides_no_hard_spot() -> None:
+    """Beside one that is missing or stands still, throughout or for a while, the other of the strip
+    is looked at as if it were alone; the one left out is named as a step and as a fault."""
+    shock, still = _shock((500, 6, 300.0), (2000, 6, 550.0)), np.full(4000, 9.81)
+    for dead, said in ((np.full(4000, np.nan), "nothing"), (still, "9.81 m/s")):
+        recording = _shaken(np.array([dead, shock]), [1, 1])
+        hard, (step,) = hard_spots(recording, None, 290.0)
+        assert [one.extreme for one in hard] == pytest.approx([300.0, 550.0], abs=0.2)
+        assert step.parameters["examined_share"] == 1.0
+        assert step.parameters["left_out"] == "accelerometer 1 of strip 1"
+        for whole in (recording, recording.with_(forces=np.empty((0, 4000)))):
+            faults = evaluate(whole).faults
+            assert [(one["kind"], one["channel"]) for one in faults if said in one["text"]] == [
+                ("dead sensor", "accelerometer 1 of strip 1")
+            ]
+    gaps = shock + 100.0
+    gaps[400:1000] = np.nan
+    hard, (step,) = hard_spots(_shaken(np.array([gaps, shock]), [1, 1]), None, 290.0)
+    assert [one.extreme for one in hard] == pytest.approx([300.0, 550.0], abs=0.2)
+    assert "left_out" not in step.parameters
+    hard, (step,) = hard_spots(_shaken(gaps[None], [1]), None, 290.0)
+    assert [one.extreme for one in hard] == pytest.approx([550.0], abs=0.2)
+    assert step.parameters["examined_share"] == pytest.approx(1.0 - 600 / 4000)
+
+
+def test_dead_accelerometers_leave_the_force() -> None:
+    """Where no accelerometer says anything the force is looked at; where that cannot be, either,
+    the step says that nothing was examined, and what it would need."""
+    force = 100.0 + _shock((500, 6, 400.0))
+    dead = _shaken(np.array([np.zeros(4000), np.full(4000, np.nan)]), [1, 2])
+    (hard,), (step,) = hard_spots(dead, force, None)
+    assert (hard.unit, step.parameters["by"]) == ("N", "force above its mean")
+    assert hard.position == pytest.approx(70.0 * 0.5, abs=0.5)
+    assert "accelerometer 1 of strip 2" in step.parameters["left_out"]
+    for blind, want in (
+        (dead.with_(distance=None), "a way"),
+        (dead.with_(distance=2.0 * np.arange(4000)), "rows at most 1 m apart"),
+    ):
+        none, (step,) = hard_spots(blind, force, None)
+        assert none == ()
+        assert step.parameters["examined_share"] == 0.0
+        assert want in step.parameters["for_want_of"]
+    bare = dead.with_(
+        accelerations=np.empty((0, 4000)), acceleration_strips=np.empty(0, dtype=np.int64)
+    )
+    assert hard_spots(bare, None, None) == ((), ())
+
+
+def test_the_page_does_not_say_that_there_is_none_where_nobody_looked(tmp_path: Path) -> None:
+    """Without a way and with a dead accelerometer, hard spots were not looked for."""
+    recording = _shaken(np.zeros((1, 4000)), [1], distance=None)
+    recording = recording.with_(forces=100.0 + _shock()[None])
+    found = evaluate(recording, Treatment(high_above=500.0))
+    page = write_measured_page(found, tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "hard spots were not looked for" in page
+    assert "time [s]" in page
 
 
 def test_inertia_of_a_free_strip() -> None:

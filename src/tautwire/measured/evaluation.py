@@ -13,7 +13,12 @@ import numpy as np
 
 from tautwire.errors import InputError
 from tautwire.measured.events import Event, force_events, hard_spots
-from tautwire.measured.faults import Fault, find_faults, without_faulty_samples
+from tautwire.measured.faults import (
+    Fault,
+    dead_accelerometers,
+    find_faults,
+    without_faulty_samples,
+)
 from tautwire.measured.processing import (
     AerodynamicCorrection,
     EvenDistance,
@@ -138,13 +143,15 @@ class Evaluation(Plain):
         Of the other channels.
     stretches, events : tuple
     position : (n,) m
-        Chainage where it was recorded, else way run, of the processed force.
+        Chainage where it was recorded, else way run, of the processed force; NaN without either.
+    time : (n,) s
+        Of the processed force.
     values : (n,) N
     spectrum : Spectrum or None
         Amplitudes of the unfiltered force in its longest stretch without gaps.
     """
 
-    untold: ClassVar[tuple[str, ...]] = ("position", "values", "spectrum")
+    untold: ClassVar[tuple[str, ...]] = ("position", "time", "values", "spectrum")
 
     label: str = field(metadata=named("recording"))
     samples: int
@@ -160,8 +167,16 @@ class Evaluation(Plain):
     stretches: tuple[dict[str, Any], ...]
     events: tuple[dict[str, Any], ...]
     position: Array
+    time: Array
     values: Array
     spectrum: Spectrum | None
+
+    @property
+    def abscissa(self) -> tuple[str, Array]:
+        """What the force stands over, with its heading: the position, or the time without one."""
+        if np.isnan(self.position).all():
+            return "time [s]", self.time
+        return "position [m]", self.position
 
 
 def evaluate(
@@ -185,7 +200,8 @@ def evaluate(
     """
     asked = treatment or Treatment()
     if faults is None:
-        faults = find_faults(recording) if len(recording.forces) else ()
+        has_force = len(recording.forces) > 0
+        faults = find_faults(recording) if has_force else tuple(dead_accelerometers(recording))
     notes, force, stretches, events = list(recording.notes), None, [], []
     signal, spectrum, raw = None, None, None
     if len(recording.forces):
@@ -214,6 +230,7 @@ def evaluate(
         stretches=tuple(vars(one) for one in stretches),
         events=tuple(vars(event) for event in events),
         position=place,
+        time=signal.time if signal is not None else np.empty(0),
         values=signal.force if signal is not None else np.empty(0),
         spectrum=spectrum,
     )
@@ -321,10 +338,10 @@ def force_and_bands(
 
 
 def chainage_of(recording: Recording, signal: Processed) -> Array:
-    """Return the recorded chainage at the samples of a signal; the way run where there is none."""
+    """Return the recorded chainage at the samples of a signal [m]; else the way run, or NaN."""
     if recording.chainage is not None:
         return np.interp(signal.time, recording.time, recording.chainage)
-    return signal.distance if signal.distance is not None else signal.time
+    return np.full(len(signal.time), np.nan) if signal.distance is None else signal.distance
 
 
 def _figures(signal: Processed, bands: Array) -> ForceFigures:

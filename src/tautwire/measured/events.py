@@ -4,7 +4,8 @@ A hard spot is a place at which the contact wire gives the head a blow: a clamp,
 kink. Two signs are read:
 
 * where the head has accelerometers, its vertical acceleration goes beyond a limit;
-* else the contact force rises above its mean over some metres by more than a limit.
+* else, or where none of them says anything, the contact force rises above its mean over some metres
+  by more than a limit.
 
 No clause of a standard gives the limits here. By default they are a multiple of what is usual in
 the run, so that the places are told which are hard for this line and speed; an absolute limit of
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,9 @@ Chosen."""
 APART = 5.0
 """Signs closer than this are one place [m]: the strips of a head follow each other within a metre,
 and a head rings over some metres."""
+APART_TIME = 0.1
+"""The same where no way is known [s]: :data:`APART` at 50 m/s, a middling speed of measuring
+trains. Chosen: a head rings as long at any speed; a slower one tells closer places apart."""
 _GLITCH = 1.5e-3
 """Interval of samples [s] below which a single one of an accelerometer is no blow: a head of
 kilograms on a wire is struck for at least 3 ms."""
@@ -55,7 +59,8 @@ class Event:
         ``"loss"``, ``"high force"`` or ``"hard spot"``.
     start, end : float s
     position : float m
-        Where a loss or a high force begins; where a hard spot is hardest.
+        Where a loss or a high force begins; where a hard spot is hardest. NaN where neither way nor
+        chainage was recorded.
     extreme : float
         Of the force, or of the acceleration of a hard spot; of its force, what it has above the
         mean around it.
@@ -98,13 +103,12 @@ def force_events(
     )
     for kind, beyond in kinds:
         for first, after in _runs(beyond):
-            end = time[min(after, len(time) - 1)]
-            if end - time[first] < shortest:
+            start, end = _start_and_end(time, first, after)
+            if end - start < shortest:
                 continue
             values = force[first:after]
             extreme = values.min() if kind == "loss" else values.max()
-            start, place = float(time[first]), float(position[first])
-            found.append(Event(kind, start, float(end), place, float(extreme)))
+            found.append(Event(kind, start, end, float(position[first]), float(extreme)))
     return tuple(sorted(found, key=lambda event: event.start))
 
 
@@ -117,18 +121,50 @@ def hard_spots(
     ----------
     recording
     force : (n,) N or None
-        Contact force, unfiltered, at the samples of the recording; looked at where the head has no
-        accelerometers.
+        Contact force, unfiltered, at the samples of the recording; looked at where no accelerometer
+        of the head is live.
     limit : float m/s2 or None
         Of the acceleration; by default :data:`HARD_TIMES` times what is usual in the run.
+
+    Returns
+    -------
+    events : tuple of Event
+    steps : tuple of Step
+        One, which says what share of the samples was examined, by what, and which accelerometers
+        were left out; none for a recording without force and accelerometers.
     """
-    if len(recording.accelerations):
-        signs, step = _blows(recording, limit)
-    elif force is not None and _FEWEST * recording.spacing <= HARD_LENGTH:
-        signs, step = _rises(recording, force)
-    else:
+    if force is None and not len(recording.accelerations):
         return (), ()
+    if recording.is_live.any():
+        signs, parameters = _blows(recording, limit)
+    elif force is not None and _FEWEST * recording.spacing <= HARD_LENGTH:
+        signs, parameters = _rises(recording, force)
+    else:
+        signs, parameters = [], {"by": "nothing", "for_want_of": _missing(recording, force)}
+    reads = [~np.isnan(sign.values) for sign in signs]
+    share = float(np.any(reads, axis=0).mean()) if reads else 0.0
+    step = Step("hard spots", {**parameters, "examined_share": share, **_left_out(recording)})
     return tuple(_merged(recording, signs)), (step,)
+
+
+def _left_out(recording: Recording) -> dict[str, str]:
+    """Name the accelerometers that say nothing."""
+    names = [
+        recording.accelerometer_name(row) for row in np.flatnonzero(~recording.is_live).tolist()
+    ]
+    return {"left_out": ", ".join(names)} if names else {}
+
+
+def _missing(recording: Recording, force: Array | None) -> str:
+    """Say what a look for hard spots would need."""
+    if force is None:
+        return "an accelerometer whose readings differ, or a force"
+    if np.isnan(recording.spacing):
+        return "a way, to take the mean of the force over"
+    return (
+        f"rows at most {HARD_LENGTH / _FEWEST:g} m apart, or an accelerometer (here rows are "
+        f"{recording.spacing:.3g} m apart)"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,27 +176,26 @@ class _Sign:
     unit: str
 
 
-def _blows(recording: Recording, limit: float | None) -> tuple[list[_Sign], Step]:
-    """Return the accelerations of the strips against a limit."""
+def _blows(recording: Recording, limit: float | None) -> tuple[list[_Sign], dict[str, Any]]:
+    """Return the accelerations of the strips against a limit, and how they were looked at."""
     signs, limits = [], {}
     for strip in sorted(set(recording.acceleration_strips.tolist())):
         values = recording.strip_acceleration(strip)
-        if values is None or np.isnan(values).all():
+        if values is None:
             continue
         values = np.abs(_without_glitches(values - np.nanmedian(values), recording.interval))
         own = max(HARD_TIMES * _usual(values), LEAST_ACCELERATION) if limit is None else limit
         limits[strip] = own
         signs.append(_Sign(values, own, "m/s^2"))
-    parameters = {"by": "acceleration of the head", "limit_m_s2": limits, **_origin(limit)}
-    return signs, Step("hard spots", parameters)
+    return signs, {"by": "acceleration of the head", "limit_m_s2": limits, **_origin(limit)}
 
 
-def _rises(recording: Recording, force: Array) -> tuple[list[_Sign], Step]:
-    """Return what the force has above its mean over a length, against a limit."""
+def _rises(recording: Recording, force: Array) -> tuple[list[_Sign], dict[str, Any]]:
+    """Return what the force has above its mean over a length against a limit, and how."""
     rise = force - _mean_around(force, round(0.5 * HARD_LENGTH / recording.spacing))
     limit = max(HARD_TIMES * _usual(np.abs(rise)), LEAST_FORCE)
     parameters = {"by": "force above its mean", "over_m": HARD_LENGTH, "limit_n": limit}
-    return [_Sign(rise, limit, "N")], Step("hard spots", {**parameters, **_origin(None)})
+    return [_Sign(rise, limit, "N")], {**parameters, **_origin(None)}
 
 
 def _origin(limit: float | None) -> dict[str, str]:
@@ -197,31 +232,46 @@ def _mean_around(values: Array, half: int) -> Array:
 
 def _merged(recording: Recording, signs: list[_Sign]) -> Iterator[Event]:
     """Yield one event per place, the hardest of its signs."""
-    way = recording.distance if recording.distance is not None else recording.time
-    place = recording.chainage if recording.chainage is not None else way
+    way, apart = _way(recording)
+    place = _places(recording)
     runs = [(*run, sign) for sign in signs for run in _runs(sign.values > sign.limit)]
     groups: list[list[tuple[int, int, _Sign]]] = []
     for run in sorted(runs, key=lambda run: run[0]):
-        if groups and way[run[0]] - max(way[after - 1] for _, after, _ in groups[-1]) < APART:
+        if groups and way[run[0]] - max(way[after - 1] for _, after, _ in groups[-1]) < apart:
             groups[-1].append(run)
         else:
             groups.append([run])
     for group in groups:
-        first, last = group[0][0], max(after for _, after, _ in group) - 1
-        sign = max((one for _, _, one in group), key=lambda one: _peak(one, first, last))
-        at = first + int(np.nanargmax(sign.values[first : last + 1]))
-        yield Event(
-            "hard spot",
-            float(recording.time[first]),
-            float(recording.time[last]),
-            float(place[at]),
-            float(sign.values[at]),
-            sign.unit,
-        )
+        first, after = group[0][0], max(after for _, after, _ in group)
+        sign = max((one for _, _, one in group), key=lambda one: _peak(one, first, after))
+        at = first + int(np.nanargmax(sign.values[first:after]))
+        start, end = _start_and_end(recording.time, first, after)
+        extreme = float(sign.values[at])
+        yield Event("hard spot", start, end, float(place[at]), extreme, sign.unit)
 
 
-def _peak(sign: _Sign, first: int, last: int) -> float:
-    return float(np.nanmax(sign.values[first : last + 1])) / sign.limit
+def _way(recording: Recording) -> tuple[Array, float]:
+    """Return what tells places apart, way [m] or else time [s], and by how much."""
+    if recording.distance is not None:
+        return recording.distance, APART
+    if recording.chainage is not None:
+        return (1.0 if recording.is_rising else -1.0) * recording.chainage, APART
+    return recording.time, APART_TIME
+
+
+def _places(recording: Recording) -> Array:
+    """Return chainage or way [m]; NaN where neither was recorded."""
+    known = recording.chainage if recording.chainage is not None else recording.distance
+    return np.full(len(recording.time), np.nan) if known is None else known
+
+
+def _peak(sign: _Sign, first: int, after: int) -> float:
+    return float(np.nanmax(sign.values[first:after])) / sign.limit
+
+
+def _start_and_end(time: Array, first: int, after: int) -> tuple[float, float]:
+    """Return the time of the first sample of an event and that of the one after its last [s]."""
+    return float(time[first]), float(time[min(after, len(time) - 1)])
 
 
 def _runs(beyond: NDArray[np.bool_]) -> list[tuple[int, int]]:

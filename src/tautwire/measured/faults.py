@@ -114,6 +114,7 @@ def find_faults(recording: Recording) -> tuple[Fault, ...]:
         _signs,
         _unit,
         _dead,
+        dead_accelerometers,
         _gains,
         _strips,
         _clock,
@@ -333,6 +334,26 @@ def _dead(recording: Recording) -> Iterator[Fault]:
                 f"{100 * DEAD_SHARE:g} % of its liveliest partner; the sum lacks its share",
                 row,
             )
+
+
+def dead_accelerometers(recording: Recording) -> Iterator[Fault]:
+    """Find accelerometers that read nothing, or the same throughout.
+
+    Parameters
+    ----------
+    recording
+        With or without forces.
+    """
+    for row in np.flatnonzero(~recording.is_live).tolist():
+        known = recording.accelerations[row][~np.isnan(recording.accelerations[row])]
+        said = f"{known[0]:g} m/s² throughout" if len(known) else "nothing"
+        strip = int(recording.acceleration_strips[row])
+        rest = "the others" if recording.strip_acceleration(strip) is not None else "none"
+        yield Fault(
+            "dead sensor",
+            recording.accelerometer_name(row),
+            f"it reads {said}; left out, which leaves {rest} of its strip",
+        )
 
 
 def _gains(recording: Recording) -> Iterator[Fault]:

@@ -99,7 +99,7 @@ class InertiaCorrection:
     Parameters
     ----------
     masses : mapping of int to float kg
-        Mass above the sensors, by strip.
+        Mass above the sensors, by strip; a strip without mass is not corrected.
     """
 
     masses: Mapping[int, float]
@@ -108,9 +108,14 @@ class InertiaCorrection:
         """See :class:`ProcessingStep`."""
         force = signal.force.copy()
         for strip, mass in self.masses.items():
+            if mass == 0.0:
+                continue
             acceleration = signal.recording.strip_acceleration(strip)
             if acceleration is None:
-                raise ValueError(f"strip {strip} has no accelerometer")
+                raise ValueError(
+                    f"strip {strip} has no accelerometer, or none whose readings differ; give its "
+                    "mass as 0 kg to leave its inertia uncorrected"
+                )
             force -= mass * acceleration
         return _with(signal, Step("inertia correction", {"mass_kg": dict(self.masses)}), force)
 

@@ -120,10 +120,37 @@ class Recording:
         """Return the rows of the sensors below one strip."""
         return np.flatnonzero(self.force_strips == strip)
 
+    @property
+    def is_live(self) -> NDArray[np.bool_]:
+        """Which accelerometers say anything, ``(n_accelerometer,)``: two readings that differ."""
+        least, most = (ends.reduce(self.accelerations, axis=1) for ends in (np.fmin, np.fmax))
+        return most > least
+
+    def accelerometer_name(self, row: int) -> str:
+        """Name an accelerometer by its strip and its number there, both from 1."""
+        strip = int(self.acceleration_strips[row])
+        number = np.count_nonzero(self.acceleration_strips[: row + 1] == strip)
+        return f"accelerometer {number} of strip {strip}"
+
     def strip_acceleration(self, strip: int) -> Array | None:
-        """Return the mean of the accelerometers of one strip; None where it has none."""
-        rows = np.flatnonzero(self.acceleration_strips == strip)
-        return self.accelerations[rows].mean(axis=0) if len(rows) else None
+        """Return the mean of the live accelerometers of one strip; None where it has none.
+
+        Each counts from its own median, so that one whose readings are missing for a while makes
+        no step: ``a = mean(m_i) + mean over those that read (a_i - m_i)``.
+
+        Returns
+        -------
+        (n,) m/s2
+            NaN where none of them reads.
+        """
+        values = self.accelerations[(self.acceleration_strips == strip) & self.is_live]
+        if not len(values):
+            return None
+        median = np.nanmedian(values, axis=1, keepdims=True)
+        reads = ~np.isnan(values)
+        count, total = reads.sum(axis=0), np.where(reads, values - median, 0.0).sum(axis=0)
+        mean = np.divide(total, count, out=np.full(len(count), np.nan), where=count > 0)
+        return mean + median.mean()
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,8 @@ class Reading:
         Distance from support 1, where it was taken at neither.
     where : str
         Row of the table, for messages.
+    wire, tension_length : str or None
+        Of the lower wire of the dropper, where several droppers of a line have its numbers.
     """
 
     quantity: Quantity
@@ -39,6 +41,8 @@ class Reading:
     support: int | None = None
     s: float | None = None
     where: str = ""
+    wire: str | None = None
+    tension_length: str | None = None
 
 
 @dataclass(frozen=True)

@@ -71,6 +71,27 @@ def time_in_section(
     return (first, last) if last > first else None
 
 
+def reached_supports(run: Run) -> NDArray[np.bool_]:
+    """Mark the supports that some pantograph passed while it was on the line.
+
+    Parameters
+    ----------
+    run : Run
+
+    Returns
+    -------
+    (n_span + 1,) bool
+        In the order of ``Equilibrium.mast_x``.
+    """
+    supports = run.equilibrium.mast_x
+    reached = np.zeros(supports.size, dtype=np.bool_)
+    for record in run.pantographs:
+        way = record.position[record.active]
+        if way.size:
+            reached |= (supports >= way.min()) & (supports <= way.max())
+    return reached
+
+
 def passage_mask(run: Run, section: Section) -> NDArray[np.bool_]:
     """Mark the samples at which some pantograph runs under or close to the section.
 

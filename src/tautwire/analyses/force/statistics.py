@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tautwire.analyses.force.contact_loss import carried_band, pantograph_loss
-from tautwire.analyses.force.section import analysed_section, passage_mask
+from tautwire.analyses.force.section import analysed_section, passage_mask, reached_supports
 from tautwire.errors import InputError
 from tautwire.results.run import ForceRecord, PantographRecord, Run
 from tautwire.results.statistics import (
@@ -77,7 +77,7 @@ def contact_statistics(
         speed=run.case.scenario.speed,
         section=part,
         pantographs=pantographs,
-        uplift=support_uplift(run, part),
+        uplift=passed_uplift(run, part),
         droppers=dropper_statistics(run, part),
         notes=(*_notes(run, part, pantographs), *_marks(carried)),
     )
@@ -203,7 +203,8 @@ def force_histogram(values: Array, width: float = FORCE_CLASS) -> Histogram:
 def support_uplift(run: Run, section: Section) -> UpliftStatistics:
     """Find the largest uplift at every support of the section, its limits included.
 
-    Counted while a pantograph is in the section or within half a span of it.
+    Counted while a pantograph is in the section or within half a span of it, at supports that none
+    reached too: there it is what waves ahead of a pantograph do.
 
     Parameters
     ----------
@@ -220,6 +221,24 @@ def support_uplift(run: Run, section: Section) -> UpliftStatistics:
     numbers = np.arange(section.first_span, section.last_span + 2)
     uplift = history.max(axis=0) if history.shape[0] else np.full(numbers.size, np.nan)
     return UpliftStatistics(numbers, positions, uplift)
+
+
+def passed_uplift(run: Run, section: Section) -> UpliftStatistics:
+    """Find the largest uplift at every support of the section that a pantograph passed.
+
+    Parameters
+    ----------
+    run : Run
+    section : Section
+
+    Returns
+    -------
+    UpliftStatistics
+        As of :func:`support_uplift`; NaN at supports that no pantograph reached.
+    """
+    found = support_uplift(run, section)
+    reached = reached_supports(run)[found.supports - 1]
+    return replace(found, uplift=np.where(reached, found.uplift, np.nan))
 
 
 def dropper_statistics(run: Run, section: Section) -> DropperStatistics:

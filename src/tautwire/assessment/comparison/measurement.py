@@ -233,7 +233,7 @@ def compare_with_measurement(
     simulated = _simulated_track(run, name, lowpass)
     faults = find_faults(recording)
     evaluation = evaluate(recording, asked, faults)
-    notes = list(evaluation.notes)
+    notes = [*evaluation.notes, *incompleteness(run)]
     signal, bands = force_and_bands(recording, faults, asked, [])
     placement = place_on_line(
         run, recording, signal, (simulated.position, simulated.forces[0]), offset=offset,
@@ -413,6 +413,22 @@ def _judged(
         return row_of(quantity, simulated, measured, tolerances.get(quantity))
     note = f"not judged: needs {wanted:g} Hz, the samples hold {highest:.3g} Hz"
     return row_of(quantity, simulated, measured, None, note)
+
+
+def incompleteness(run: Run) -> tuple[str, ...]:
+    """Say that a run did not reach its end; nothing of one that did.
+
+    Parameters
+    ----------
+    run
+    """
+    if run.status == "done":
+        return ()
+    why = f", {run.message}" if run.message else ""
+    return (
+        f"the run is not complete ({run.status}{why}): its numbers are those of the part that it "
+        "computed",
+    )
 
 
 def row_of(

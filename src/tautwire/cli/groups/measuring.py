@@ -303,7 +303,7 @@ def rank(
         int | None,
         typer.Option(
             "--first", metavar="N",
-            help="Corrections for the crew, 10 by default; what they gain together is computed.",
+            help="Corrections for the crew, 10 by default; what they change together is computed.",
             show_default=False,
         ),
     ] = None,

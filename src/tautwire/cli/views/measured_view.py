@@ -40,10 +40,10 @@ def evaluation_view(found: Evaluation) -> list[Any]:
     parts.append(heading("Faults"))
     rows = [(fault["kind"], f"{fault['channel']}: {fault['text']}") for fault in found.faults]
     parts.append(table(("", ""), "lL", rows) if rows else "none found")
+    if found.steps:
+        parts += [heading("Processing"), table(("step", "with"), "lL", step_rows(found))]
     if found.force is not None:
         parts += [
-            heading("Processing"),
-            table(("step", "with"), "lL", step_rows(found)),
             heading("Contact force"),
             table(("", "", ""), "Lrl", figure_rows(found.force, found.highest_frequency)),
             heading("Stretches"),

@@ -27,6 +27,9 @@ _HEADINGS = {
     "span": (COUNT, ("span no", "span number", "feld", "spannfeld", "portée", "vano", "campata")),
     "dropper": (COUNT, ("dropper no", "dropper number", "hänger", "hänger nr", "pendule",
                         "péndola", "pendino")),
+    "lower wire": (TEXT, ("to", "to wire", "lower", "wire below", "seil unten", "unteres seil")),
+    "tension length": (TEXT, ("tension section", "nachspannlänge", "canton", "canton de pose",
+                              "锚段")),
     "support": (COUNT, ("support no", "support number", "stützpunkt")),
     "mast": (TEXT, ("mast no", "mast number", "mast nr", "poteau", "poste", "palo")),
     "position": ("m", ("x", "distance", "abstand", "distanza", "distancia")),
@@ -73,10 +76,11 @@ def load_survey(path: str | os.PathLike[str], case: Case, *, accuracy: float = A
     """Load what was measured of the geometry of a line.
 
     CSV of any dialect or a workbook. A row belongs to a dropper (columns ``span`` and
-    ``dropper``), to a support (``support`` or ``mast``), or to a place (``position`` from support
-    1, or ``chainage``), or to the support on the left or the middle of a span (``span`` and
-    ``point``), and holds any of ``contact height``, ``messenger height``, ``dropper length``,
-    ``stagger``, ``elasticity`` and ``uplift``; ``accuracy`` is its standard deviation.
+    ``dropper``, with ``lower wire`` or ``tension length`` where several have these numbers), to a
+    support (``support`` or ``mast``), or to a place (``position`` from support 1, or ``chainage``),
+    or to the support on the left or the middle of a span (``span`` and ``point``), and holds any of
+    ``contact height``, ``messenger height``, ``dropper length``, ``stagger``, ``elasticity`` and
+    ``uplift``; ``accuracy`` is its standard deviation.
 
     Parameters
     ----------
@@ -197,25 +201,35 @@ def _spread(name: str, own: float | None, accuracy: float) -> float:
 
 
 def _refuse_unlikely(values: dict[str, float | str | None]) -> None:
-    """Refuse values that are in another unit than their heading says, and errors of none.
+    """Refuse values that no line has or that are in another unit than their heading says.
 
     Raises
     ------
     CellError
+        Naming every such cell of the row.
     """
+    problems = []
     own = values.get("accuracy")
     if own is not None and float(own) <= 0.0:
-        raise CellError(
+        problems.append(
             f"accuracy of {float(own):g} m; give the standard deviation of the reading, which is "
             "more than 0 (2 to 5 mm by laser), or leave it out for that of --accuracy"
         )
     for name, (largest, unit, usual) in _LARGEST.items():
         value = values.get(name)
         if value is not None and abs(float(value)) > largest:
-            raise CellError(
+            problems.append(
                 f"{name} of {float(value):g} {unit} is more than any line has; say the unit in the "
                 f"heading, as in '{name.capitalize()} [{usual}]'"
             )
+        elif name == "elasticity" and value is not None and float(value) <= 0.0:
+            problems.append(
+                f"elasticity of {1e3 * float(value):g} mm/N; a wire gives way to a force from "
+                "below, so that it is more than 0: give uplift by force, or leave the cell empty "
+                "where nothing was measured"
+            )
+    if problems:
+        raise CellError("; and ".join(problems))
 
 
 def _value(table: _Table, row: int, name: str) -> float | str | None:
@@ -239,7 +253,8 @@ def _place(cells: dict[str, float | str | None], case: Case) -> dict[str, Any]:
     """
     span, dropper, support = (cells.get(name) for name in ("span", "dropper", "support"))
     if span is not None and dropper is not None:
-        return {"span": int(span), "dropper": int(dropper)}
+        wire, length = cells.get("lower wire"), cells.get("tension length")
+        return {"span": int(span), "dropper": int(dropper), "wire": wire, "tension_length": length}
     point = cells.get("point")
     if span is not None and point is not None:
         return _point(int(span), str(point), case)

@@ -107,7 +107,7 @@ def is_computed(path: Path) -> bool:
     try:
         with h5py.File(path, "r") as file:
             return file.attrs.get("format") == FORMAT
-    except OSError:
+    except (OSError, RuntimeError, KeyError, ValueError):  # what HDF5 makes of damaged bytes
         return False
 
 

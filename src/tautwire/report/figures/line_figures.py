@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tautwire.analyses.force.section import reached_supports
 from tautwire.line.pieces import Body, WireStay
 from tautwire.report.drawing import Drawing, panels
 from tautwire.report.figures import style
@@ -256,6 +257,7 @@ def uplift_figure(views: Sequence[RunView]) -> Drawing:
         uplift = view.run.equilibrium.by_mast(view.run.support_uplift)
         supports = np.arange(1, uplift.shape[1] + 1)
         highest = 1e3 * uplift.max(axis=0) if uplift.shape[0] else np.full(supports.size, np.nan)
+        highest[~reached_supports(view.run)] = np.nan
         highest[inside.supports - 1] = 1e3 * inside.uplift
         figure.add_bar(
             x=supports,

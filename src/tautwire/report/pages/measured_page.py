@@ -83,15 +83,15 @@ def _figures(found: Evaluation) -> Section:
 
 
 def _history(found: Evaluation) -> Section:
-    panel = Panel(
-        "contact force", [Curve("measured", found.position, found.values)], "contact force [N]"
-    )
+    over, abscissa = found.abscissa
+    name = over.partition(" ")[0]
+    panel = Panel("contact force", [Curve("measured", abscissa, found.values)], "contact force [N]")
     blocks: list[object] = [
         chart(
             "force",
-            panel_figure([panel], "position [m]", height=340),
-            f"Processed contact force over the position; gaps are gaps. Filter: {_filter(found)}.",
-            "Curve of the measured contact force over position.",
+            panel_figure([panel], over, height=340),
+            f"Processed contact force over the {name}; gaps are gaps. Filter: {_filter(found)}.",
+            f"Curve of the measured contact force over {name}.",
         )
     ]
     if found.spectrum is not None:
@@ -122,6 +122,8 @@ def _stretches(found: Evaluation) -> Section:
 def _events(found: Evaluation) -> object:
     events = tuple(event_rows(found)[:MOST_ROWS])
     caption = "Losses and high forces of the filtered force; hard spots by the step of that name."
-    if not events:
-        return Text("No loss of contact, no force above the limit, no hard spot.")
-    return Table(caption, EVENTS, "lrrr", events)
+    if events:
+        return Table(caption, EVENTS, "lrrr", events)
+    shares = [step["examined_share"] for step in found.steps if "examined_share" in step]
+    hard = "no hard spot" if any(shares) else "hard spots were not looked for (see the steps)"
+    return Text(f"No loss of contact, no force above the limit; {hard}.")

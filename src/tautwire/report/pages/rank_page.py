@@ -1,4 +1,4 @@
-"""The page that a crew takes out: what to set, to which length, and what it gains."""
+"""The page that a crew takes out: what to set, to which length, and what it changes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from typing import Any
 
 from tautwire.analyses.survey.rank import Ranking
 from tautwire.files import write_text
-from tautwire.report.parts.blocks import Section, Table, Text
+from tautwire.report.parts.blocks import Callout, Section, Table, Text
 from tautwire.report.parts.recordings.rank import (
     CREW_HEAD,
     FIGURE_GROUPS,
     FIGURE_HEAD,
+    RISES,
     crew_rows,
     figure_rows,
+    worse_lines,
 )
 from tautwire.report.parts.words import counted
 from tautwire.report.writers.html import render
@@ -38,20 +40,22 @@ def write_rank_page(rankings: Sequence[Ranking], path: str | os.PathLike[str]) -
     crew = Table(
         f"Unstrained dropper lengths, clamp to clamp, each to within {TOLERANCE:g} mm; heights "
         "at supports by the change. The first column is the order of effect on the contact force, "
-        "the rows follow the line.",
+        f"the rows follow the line. {RISES}: by itself this correction raises σ.",
         CREW_HEAD, "rlrrrrl", tuple(crew_rows(rankings)),
     )  # fmt: skip
     rows = tuple(figure_rows(rankings))
     figures = Table("Force up to 20 Hz.", FIGURE_HEAD, "l" + "r" * 10, rows, FIGURE_GROUPS)
     note = Text(
         "Computed: a passage over the whole line with these corrections made; this is what they "
-        "gain. Predicted: the sum of the changes that each makes after those before it, from "
+        "change. Predicted: the sum of the changes that each makes after those before it, from "
         "passages over a few spans.",
         "note",
     )
+    worse = tuple(f"{text}." for text in worse_lines(rankings))
+    warnings = (Callout(worse),) if worse else ()
     contents = [
         Section("corrections", "Corrections", (crew,)),
-        Section("gain", "What they gain", (figures, note)),
+        Section("change", "What they change", (*warnings, figures, note)),
     ]
     return write_text(path, render(contents, _masthead(rankings)))
 

@@ -6,16 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 from tautwire.analyses.force.section import analysed_section
-from tautwire.analyses.force.statistics import support_uplift
+from tautwire.analyses.force.statistics import passed_uplift
 from tautwire.analyses.road.elasticity import elasticity
 from tautwire.assessment.comparison.coverage import covered
 from tautwire.assessment.comparison.geometry import GeometryRow, compare_geometry
 from tautwire.assessment.comparison.measurement import (
     MeasurementComparison,
     compare_with_measurement,
+    incompleteness,
 )
 from tautwire.assessment.comparison.points import PointComparison, compare_points, judged
 from tautwire.assessment.limits import Limits, load_limits
@@ -88,9 +89,17 @@ class ComparisonRequest:
     project: Path | None = None
 
     def runs(self) -> list[Path]:
-        """Return the runs among the files; the first is one in any case."""
-        first, *others = self.files
-        return [first, *(path for path in others if is_computed(path))]
+        """Return the runs among the files.
+
+        Raises
+        ------
+        InputError
+            When the first one is none.
+        """
+        runs = [path for path in self.files if is_computed(path)]
+        if self.files[0] not in runs:
+            _refuse_first(self.files[0], runs)
+        return runs
 
     def pairs(self) -> list[tuple[Path, Path]]:
         """Return runs and recordings in pairs.
@@ -126,6 +135,27 @@ class ComparisonRequest:
         return self.pantographs[number % len(self.pantographs)] if self.pantographs else None
 
 
+def _refuse_first(path: Path, runs: Sequence[Path]) -> NoReturn:
+    """Refuse a first file that is no run.
+
+    Raises
+    ------
+    InputError
+        Naming a run that stands elsewhere, or else what is wrong with a file that should be one.
+    """
+    if runs:
+        raise InputError(
+            f"{path} is no run, but {runs[0]} is; give the run first, as in: tautwire compare "
+            f"{runs[0]} {path}"
+        )
+    if path.suffix == ".nc" or not path.is_file():
+        load_runs([path])
+    raise InputError(
+        f"{path} is no run; give the result file of one first, as in: tautwire compare run.nc "
+        f"{path.name}"
+    )
+
+
 class _Options(NamedTuple):
     """What the options of a comparison say, in SI, read before any file is opened."""
 
@@ -158,6 +188,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     options = _Options.of(request)
     pairs, paths = request.pairs(), request.runs()
     runs = dict(zip(paths, load_runs(paths), strict=True))
+    answer.warn([f"{path}: {told}" for path, run in runs.items() for told in incompleteness(run)])
     found = _recorded(
         answer, request, [(path, runs[path], other) for path, other in pairs], options
     )
@@ -226,7 +257,7 @@ def _recorded(
         )
         found.append((run, compared))
         told[-1] |= compared.as_dict()
-        answer.warn([*compared.notes, *_faults(compared)])
+        answer.warn([*_unsaid(run, compared.notes), *_faults(compared)])
         answer.show(*_comparison_view(run_file, compared), *_geometry_view(geometry))
     if told and not found:
         given = {
@@ -260,15 +291,16 @@ def _pointed(
         else:
             curve = elasticity(build(run.case), run.equilibrium, force=options.elasticity_force)
         section = analysed_section(run, (1, run.case.line.spans))
-        uplift = support_uplift(run, section).uplift
+        uplift = passed_uplift(run, section).uplift
         one = compare_points(run, survey, elasticity=curve, uplift=uplift, limits=options.limits)
         found.append((run, one))
-        told.append({"run": str(path), "case": run.case.name, **one.as_dict()})
+        about = {"run": str(path), "case": run.case.name, "status": run.status}
+        told.append({**about, **one.as_dict()})
         if curve is not None:
             told[-1]["elasticity_force_n"] = curve.force
         rows = [(*row, verdict_of(row_.numbers))
                 for row, row_ in zip(point_rows(one), one.rows, strict=True)]  # fmt: skip
-        answer.warn(one.notes)
+        answer.warn(_unsaid(run, one.notes))
         answer.show(
             heading("Elasticity and uplift at places", f"{path} and {survey.label}"),
             table(POINT_HEADS, "lLrrrLL", rows),
@@ -277,6 +309,11 @@ def _pointed(
     if told:
         answer.document["points"] = told
     return found
+
+
+def _unsaid(run: Run, notes: Sequence[str]) -> list[str]:
+    """Return notes without what is told of every run that is not complete."""
+    return [note for note in notes if note not in incompleteness(run)]
 
 
 def _faults(compared: MeasurementComparison) -> list[str]:

@@ -166,10 +166,12 @@ def _write(files: Files, answer: Answer, found: Evaluation) -> None:
 
 
 def force_csv(found: Evaluation) -> str:
-    """Return the processed force over the position as CSV; empty cells are gaps."""
-    rows = zip(found.position.tolist(), found.values.tolist(), strict=True)
-    cells = ((f"{x:.3f}", f"{f:.2f}" if math.isfinite(f) else "") for x, f in rows)
-    return csv_text(("position [m]", "contact force [N]"), cells)
+    """Return the processed force over position, or time without one, as CSV; empty are gaps."""
+    over, abscissa = found.abscissa
+    rows = zip(abscissa.tolist(), found.values.tolist(), strict=True)
+    digits = 3 if over.endswith("[m]") else 6
+    cells = ((f"{x:.{digits}f}", f"{f:.2f}" if math.isfinite(f) else "") for x, f in rows)
+    return csv_text((over, "contact force [N]"), cells)
 
 
 def stretches_csv(found: Evaluation) -> str:

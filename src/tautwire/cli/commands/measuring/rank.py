@@ -1,4 +1,4 @@
-"""``rank``: corrections of a line as built, in the order of what they gain."""
+"""``rank``: corrections of a line as built, in the order of what they change."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ from tautwire.inputs.load import load_case
 from tautwire.report.parts.recordings.rank import (
     FIGURE_NARROW,
     RANK_HEAD,
+    RISES,
     SHOWN,
     corrections_csv,
     figure_rows,
     line_names,
     listed,
     rank_rows,
+    worse_lines,
 )
 from tautwire.specs.case import Case
 from tautwire.version import __version__
@@ -102,14 +104,16 @@ def show_ranking(answer: Answer, request: RankRequest, out: Path | None) -> None
             stop.kept = f"what is finished is kept in {keep}; the same command goes on from there"
         raise
     answer.document.update({"version": __version__, **_document(rankings)})
+    answer.warn(worse_lines(rankings))
     passages, length, cpu = (
         sum(getattr(one, name) for one in rankings) for name in ("passages", "length", "cpu")
     )
-    rate = f"{passages} passages over some spans each, on {length:.0f} m; {cpu:.1f} s of CPU"
+    rate = f"{passages} passages over some spans each, on {length:.0f} m; {cpu:.1f} s of CPU; "
+    rate += f"{RISES}: by itself it raises σ"
     answer.show(
         heading("Corrections", rate),
         table(RANK_HEAD, "rLrrrrrrrr", rank_rows(rankings)[:SHOWN]),
-        heading("What the first gain together"),
+        heading("What the first change together"),
         table(FIGURE_NARROW, "Lrrrrrrrrrr", figure_rows(rankings)),
     )
     if out is not None:

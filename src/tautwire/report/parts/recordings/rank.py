@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from tautwire.analyses.survey.corrections import Correction
 from tautwire.analyses.survey.rank import Figures, Ranked, Ranking
+from tautwire.report.parts.words import counted
 from tautwire.specs.line.catenary import Line
 from tautwire.text import csv_text
 
@@ -20,6 +21,8 @@ computed; of σ as predicted, too."""
 FIGURE_NARROW = ("", "set", "σ [N]\nbuilt", "\npredicted", "\nthen", "max [N]\nbuilt", "\nthen",
                  "min [N]\nbuilt", "\nthen", "loss [%]\nbuilt", "\nthen")  # fmt: skip
 """The same for the terminal."""
+RISES = "\N{UPWARDS ARROW}"
+"""Mark of a correction that raises the standard deviation when it is made alone."""
 SHOWN = 30
 """Corrections on the terminal; all are in the files."""
 
@@ -56,7 +59,7 @@ def rank_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
     names, rows = line_names(rankings), []
     for line, one in listed(rankings):
         ranking, then = rankings[line], one.together
-        gain = one.alone.standard_deviation - ranking.built.standard_deviation
+        alone = _rise(ranking, one)
         rows.append(
             (
                 str(one.place),
@@ -65,13 +68,31 @@ def rank_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
                 f"{1e3 * one.correction.change:+.1f}",
                 _target(one.correction),
                 f"{one.effect:.2f}",
-                f"{gain:+.3f}",
+                f"{alone:+.3f} {RISES if alone > 0.0 else ' '}",
                 f"{then.standard_deviation:.2f}",
                 f"{then.maximum:.1f}",
                 f"{then.minimum:.1f}",
             )
         )
     return rows
+
+
+def _rise(ranking: Ranking, one: Ranked) -> float:
+    """Return by how much a correction alone raises the standard deviation [N]."""
+    return one.alone.standard_deviation - ranking.built.standard_deviation
+
+
+def worse_lines(rankings: Sequence[Ranking]) -> list[str]:
+    """Say of which lines the first corrections together raise the standard deviation."""
+    return [
+        f"{name}: with the first {counted(one.made, 'correction')} σ is "
+        f"{one.checked.standard_deviation:.2f} N, more than the "
+        f"{one.built.standard_deviation:.2f} N as built: deviations that made up for each other "
+        f"are corrected in part; leave out those that raise σ alone ({RISES}), or make more of "
+        "them (--first)"
+        for name, one in zip(line_names(rankings), rankings, strict=True)
+        if one.checked.standard_deviation > one.built.standard_deviation
+    ]
 
 
 def _in_line(text: str, names: Sequence[str], line: int) -> str:
@@ -93,7 +114,7 @@ def crew_rows(rankings: Sequence[Ranking]) -> list[tuple[str, ...]]:
             told = one.correction
             rows.append(
                 (
-                    str(one.place),
+                    f"{one.place} {RISES}" if _rise(ranking, one) > 0.0 else str(one.place),
                     _in_line(place_of(told, spec), names, line),
                     f"{told.x - masts[told.span - 1]:.2f}" if told.kind == "dropper" else "",
                     f"{1e3 * told.built:.0f}" if told.kind == "dropper" else "",
