@@ -58,10 +58,8 @@ def places(found: Found, trace: Trace, letter: str) -> NDArray[np.float64]:
         return np.array([order[str(word)] for word in array(values)])
     if values is None:
         count = len(array(trace.get("y" if letter == "x" else "x")))
-        start, step = (
-            float(trace.get(name, d)) for name, d in ((f"{letter}0", 0), (f"d{letter}", 1))
-        )
-        return start + step * np.arange(count)
+        start, step = trace.get(f"{letter}0", 0.0), trace.get(f"d{letter}", 1.0)
+        return np.asarray(start + step * np.arange(count), dtype=np.float64)
     return numbers(values)
 
 
