@@ -105,5 +105,5 @@ def steps(values: NDArray[Any]) -> dict[str, Any]:
 
 
 def _packed(dtype: str, values: NDArray[Any]) -> dict[str, Any]:
-    written = zlib.compress(values.tobytes(), level=9)
+    written = zlib.compress(values.tobytes(), level=6)
     return {"dtype": dtype, "data": base64.b64encode(written).decode("ascii")}
