@@ -96,18 +96,3 @@ def test_drawing_needs_no_plotly() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert answer.stdout.strip() == "False"
-
-
-def test_even_places_are_written_once() -> None:
-    """Where points are evenly apart, the first and the distance are enough; where not, all stay."""
-    even = np.linspace(100.0, 1035.0, 10_000, dtype=np.float32)
-    uneven = even.copy()
-    uneven[5_000] += 0.01
-    figure = Drawing()
-    for x in (even, uneven):
-        figure.add_scatter(x=x, y=np.zeros(x.size))
-    short, whole = figure.to_dict()["data"]
-    assert "x" not in short
-    assert short["x0"] == 100.0
-    assert short["x0"] + 9_999 * short["dx"] == pytest.approx(1035.0, abs=1e-6)
-    assert "dx" not in whole

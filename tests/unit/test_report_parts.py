@@ -6,6 +6,7 @@ import base64
 import csv
 import dataclasses
 import io
+import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -68,15 +69,30 @@ def test_packed_steps_are_exact_to_half_a_step() -> None:
     values = np.linspace(-0.02, 0.12, 999).reshape(3, 333)
     values[1, 1] = np.nan
     packed = packing.steps(values)
-    back = packed["low"] + packed["step"] * np.frombuffer(base64.b64decode(packed["data"]), "u1")
-    expected = np.where(np.isnan(values), -0.02, values).ravel()
+    assert packed["row"] == 333
+    changes = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), "u1")
+    whole = np.cumsum(changes.reshape(3, 333), axis=0, dtype="u1")
+    back = packed["low"] + packed["step"] * whole
+    expected = np.where(np.isnan(values), -0.02, values)
     assert np.abs(back - expected).max() <= 0.5001 * packed["step"]
 
 
 def test_packed_constants_stay() -> None:
     """A constant and an empty record can be packed."""
-    assert packing.steps(np.full(4, 5.3))["low"] == pytest.approx(5.3)
-    assert packing.steps(np.empty(0))["data"] == ""
+    assert packing.steps(np.full((2, 4), 5.3))["low"] == pytest.approx(5.3)
+    empty = packing.steps(np.empty((0, 4)))
+    assert zlib.decompress(base64.b64decode(empty["data"])) == b""
+
+
+def test_even_places_are_written_once() -> None:
+    """Where points are evenly apart, the first and the distance are enough; where not, all stay."""
+    x = np.linspace(100.0, 1035.0, 10_000, dtype=np.float32)
+    short = packing.even(x)
+    assert short["x0"] == 100.0
+    assert short["x0"] + 9_999 * short["dx"] == pytest.approx(1035.0, abs=1e-6)
+    x[5_000] += 0.01
+    assert packing.even(x) == {"x": x}
+    assert packing.even(x[:1]).keys() == {"x"}
 
 
 @pytest.mark.parametrize(

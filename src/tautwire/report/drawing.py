@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 _WHOLE = (np.int8, np.int16, np.int32)
 """Whole numbers that plotly.js reads from bytes, the shortest first; it reads none of 64 bits."""
-_FEW = 100
-"""Points of a trace below which their places are written one by one."""
 _PLAIN = ("range", "domain")
 """Attributes that plotly.js reads as lists only."""
 
@@ -66,7 +64,7 @@ class Drawing:
         """
         suffix = self._suffix(row, col)
         axes = {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"} if suffix else {}
-        self.data.append({"type": kind, **axes, **(_even(trace) if kind == "scatter" else trace)})
+        self.data.append({"type": kind, **axes, **trace})
 
     def add_scatter(self, **trace: Any) -> None:
         """Add a curve or points."""
@@ -194,22 +192,6 @@ def _merge(old: dict[str, Any], new: Mapping[str, Any]) -> None:
             _merge(old.setdefault(key, {}), value)
         else:
             old[key] = value
-
-
-def _even(trace: dict[str, Any]) -> dict[str, Any]:
-    """Return a trace with where its points begin and how far apart they are, if that is all.
-
-    So it is for histories that are not thinned, whose places are half of their data.
-    """
-    x = trace.get("x")
-    if not isinstance(x, np.ndarray) or x.dtype.kind != "f" or x.size < _FEW:
-        return trace
-    start, step = float(x[0]), float(x[-1] - x[0]) / (x.size - 1)
-    off = np.abs(start + step * np.arange(x.size) - x).max()
-    if not off <= 2.0 * np.finfo(x.dtype).eps * np.abs(x).max():
-        return trace
-    rest = {name: value for name, value in trace.items() if name != "x"}
-    return {"x0": start, "dx": step, **rest}
 
 
 def _plain(value: Any, key: str = "") -> Any:

@@ -117,10 +117,11 @@ def settled(case: Case) -> tuple[Case, float]:
     """
     model = build(case)
     shape = find_design(model)
-    begin = time.process_time()
+    cpu = 0.0
     if case.scenario.target_mean_force() is not None:
+        begin = time.process_time()
         case = _tuned(case, model, shape)
-    cpu = time.process_time() - begin
+        cpu = time.process_time() - begin
     height = working_height(model, shape)
     raised = [
         one if one.working_height is not None else one.with_(working_height=height)

@@ -12,7 +12,7 @@ from tautwire.line.expand import expand
 from tautwire.line.measures import recurring
 from tautwire.report.drawing import Drawing
 from tautwire.report.figures import style
-from tautwire.report.figures.packing import share, thinned
+from tautwire.report.figures.packing import even, share, thinned
 from tautwire.report.parts.views import WIDE_CUTOFF, RunView, Series, series
 from tautwire.results.run import Run
 from tautwire.results.statistics import FilteredStatistics
@@ -99,7 +99,7 @@ def _add_force_curves(figure: Drawing, item: Series, limit: int, *, single: bool
 def _add_curve(figure: Drawing, position: Array, force: Array, limit: int, **more: Any) -> None:
     kept = thinned(force, limit)
     figure.add_scatter(
-        x=position[kept].astype(np.float32),
+        **even(position[kept].astype(np.float32)),
         y=force[kept].astype(np.float32),
         mode="lines",
         hovertemplate="%{y:.0f} N",

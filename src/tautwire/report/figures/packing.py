@@ -50,6 +50,24 @@ def thinned(values: NDArray[Any], limit: int = LIMIT) -> NDArray[np.int64]:
     return np.array(sorted(chosen), dtype=np.int64)
 
 
+def even(x: NDArray[np.float32]) -> dict[str, Any]:
+    """Return where the points of a curve lie, for its trace; evenly apart, as start and distance.
+
+    Histories that are not thinned lie so, and their places are half of their data. The axis must be
+    linear: on a logarithmic one plotly.js takes the distance as that of the logarithms.
+
+    Parameters
+    ----------
+    x : (n,)
+    """
+    if x.size < 2:
+        return {"x": x}
+    start, step = float(x[0]), float(x[-1] - x[0]) / (x.size - 1)
+    off = np.abs(start + step * np.arange(x.size) - x).max()
+    is_even = off <= 2.0 * np.finfo(x.dtype).eps * np.abs(x).max()
+    return {"x0": start, "dx": step} if is_even else {"x": x}
+
+
 def simplified(points: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
     """Return the points of a line that it needs to stay within a tolerance, in their unit.
 

@@ -186,6 +186,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
     """Compare stored runs with what was measured, show the tables and write the files asked for."""
     _refuse_idle(request, out)
     options = _Options.of(request)
+    _refuse_idle_of_recordings(request)
     pairs, paths = request.pairs(), request.runs()
     runs = dict(zip(paths, load_runs(paths), strict=True))
     answer.warn([f"{path}: {told}" for path, run in runs.items() for told in incompleteness(run)])
@@ -198,7 +199,7 @@ def compare_runs(answer: Answer, request: ComparisonRequest, out: Path | None) -
 
 
 def _refuse_idle(request: ComparisonRequest, out: Path | None) -> None:
-    """Refuse options for a recording, points or files where there are none."""
+    """Refuse options for points or files where there are none."""
     if request.points is None:
         refuse_idle(
             "--points FILE with elasticity", {"--elasticity-force": request.elasticity_force}
@@ -206,6 +207,10 @@ def _refuse_idle(request: ComparisonRequest, out: Path | None) -> None:
     if out is None:
         needs = "--out DIR: it stands on the page that is written there"
         refuse_idle(needs, {"--project": request.project})
+
+
+def _refuse_idle_of_recordings(request: ComparisonRequest) -> None:
+    """Refuse options for a recording where there is none."""
     reading = request.reading
     if len(request.runs()) == len(request.files):
         given = {
