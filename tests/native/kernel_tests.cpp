@@ -180,7 +180,7 @@ void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double k
             matrix.end_run(whole, part, run);
         }
     });
-    const bool is_local = matrix.is_local(whole);
+    const bool is_local = matrix.is_local();
     for (int part = 0; !is_local && part < layout.parts; ++part) matrix.finish_elimination(whole, part);
     share(layout, backwards, [&](int part) {
         if (is_local) matrix.finish_elimination(whole, part);
@@ -281,7 +281,7 @@ void test_solvers(int parts, bool are_long) {
 
     Preconditioner fast(given.line, given.attached, given.rank);
     expect(fast.factor(given.factors, given.line.position), "the chain of a line can be factored");
-    expect(fast.is_local(RowSet(layout)) == are_long, "parts are as long as influence reaches, or shorter");
+    expect(fast.is_local() == are_long, "parts are as long as influence reaches, or shorter");
     fast.clear_contacts();
     fast.add_contact(given.kContact, given.rhs, given.kKappa);
     // What is cut off couplings costs 0.002 each; geometric stiffness of ties is left out.
@@ -330,21 +330,20 @@ void test_selection(int parts, bool backwards) {
     expect(learn() == 3.0, "what is overlooked is told");
 }
 
-// Whether runs are the solved rows of their parts, all of them, and the parts about equal.
+// Whether runs are the solved rows of their parts, all of them.
 bool is_divided(const RowSet& rows, const Layout& layout) {
-    int solved = 0, at = 0;
+    int solved = 0, at = 0, busy = 0;
     bool is = rows.bounds[0] == 0 && rows.bounds[layout.parts] == layout.rows;
-    for (int part = 0; part < layout.parts; ++part)
+    for (int part = 0; part < layout.parts; ++part) {
+        busy += rows.runs[part].size() > 0;
         for (const Run& run : rows.runs[part]) {
-            is &= run.first >= at && rows.is_in(part, run.first) && rows.is_in(part, run.last());
+            is &= run.first >= at && layout.part_of(run.first) == part &&
+                  layout.part_of(run.last()) == part;
             at = run.last() + 1;
             solved += run.count;
         }
-    int formed[kMostParts] = {}, unequal = 0;
-    for (int part = 0; part < layout.parts; ++part)
-        formed[part] = rows.count_formed(part, 0, layout.rows - 1);
-    for (int part = 1; part < layout.parts; ++part) unequal = std::abs(formed[part] - formed[0]);
-    return is && solved == rows.solved_rows() && unequal <= layout.rows / 8;
+    }
+    return is && solved == rows.solved_rows() && rows.is_shared() == (busy > 1);
 }
 
 // Looked at in two parts, increments of any size lead to the same rows as in one, and teach the same.

@@ -38,10 +38,10 @@ public:
     }
     // Whether what a part leaves is felt in the next part only, so that parts can be finished side
     // by side.
-    bool is_local(const RowSet& set) const {
+    bool is_local() const {
         bool is = true;
         for (int part = 0; part < layout_.parts; ++part)
-            is &= forward_reach_ <= set.bounds[part + 1] - set.bounds[part];
+            is &= forward_reach_ <= layout_.bound(part + 1) - layout_.bound(part);
         return is;
     }
     // Bring in what the last rows of the part before contribute.
@@ -187,10 +187,7 @@ inline void Chain::store(int node, const NodeFactor& factor) {
     }
 }
 
-// Count the rows after which a value has faded that is carried in at a bound between the parts of
-// the whole line. Parts of some rows are divided elsewhere, and there it may take a row or two
-// more: what is dropped is then somewhat larger, and like all that is dropped it is left to the
-// next iteration.
+// Count the rows after which a value has faded that is carried in at a bound between the parts.
 inline int Chain::reach(bool forward) const {
     int most = 0;
     for (int part = 0; part < layout_.parts; ++part) {

@@ -56,7 +56,7 @@ private:
         int coupling, node, last_node;
         int first, last;  // entries, last excluded
     };
-    // Entries of an end in rows that follow each other, last excluded, and these rows.
+    // Entries of an end in rows of a part that follow each other, last excluded, and these rows.
     struct Section {
         int coupling, first, last;
         int row, last_row;
@@ -90,8 +90,14 @@ private:
     }
     bool prepare(const bool* closed, const double* compliance);
     void fill(int from, const double* compliance);
+    // A section with solved rows; whether all its rows are.
+    struct Visited {
+        int coupling, first, last;
+        bool is_whole;
+    };
+    void find_visited(const RowSet& set, int part);
     template <class F>
-    void visit(const RowSet& set, int part, F work) const;
+    void visit(const Visited& section, const RowSet& set, F f) const;
 
     static int row_of(const Entry& entry) { return entry.at / (6 * kPieces); }
 
@@ -103,8 +109,9 @@ private:
     List<int> dofs_;       // of the entries
     List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
-    List<Section> sections_;
-    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0, line_sections_ = 0;
+    List<Section> sections_[kMostParts];
+    int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
+    int line_sections_[kMostParts] = {};
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
     Skyline matrix_;       // S
@@ -112,6 +119,7 @@ private:
     int factored_ = 0;  // rows of S that are up to date
     Buffer<double> small_;
     Buffer<float> projected_[kMostParts];  // [part][coupling]
+    List<Visited> visited_[kMostParts];    // [part]: of the last projection
 };
 
 inline void Couplings::list(
@@ -165,10 +173,11 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     dofs_.shorten(0);
     pairs_.shorten(0);
     line_count_ = static_cast<int>(couplings_.size());
-    sections_.shorten(0);
+    for (List<Section>& sections : sections_) sections.shorten(0);
     for (int k = 0; k < line_count_; ++k) add_ends(chain, k);
     for (const End& end : ends_) divide(end);
-    line_sections_ = static_cast<int>(sections_.size());
+    for (int part = 0; part < kMostParts; ++part)
+        line_sections_[part] = static_cast<int>(sections_[part].size());
     line_ends_ = static_cast<int>(ends_.size());
     line_entries_ = static_cast<int>(entries_.size());
 
@@ -278,14 +287,18 @@ inline void Couplings::cut(int k) {
     sizes_.shorten(0);
 }
 
-// Divide the entries of an end, which lie node after node, where they go on in the next piece.
+// Divide the entries of an end, which lie node after node, where they go on in the next piece or part.
 inline void Couplings::divide(const End& end) {
     for (int first = end.first, last = first; first < end.last; first = last) {
-        const int row = row_of(entries_[first]);
+        const int row = row_of(entries_[first]), part = line_.layout.part_of(row);
+        const int bound = line_.layout.bound(part + 1);
         int last_row = row;
-        for (; last < end.last && row_of(entries_[last]) >= last_row; ++last)
-            last_row = row_of(entries_[last]);
-        sections_.push({end.coupling, first, last, row, last_row});
+        for (; last < end.last; ++last) {
+            const int next = row_of(entries_[last]);
+            if (next < last_row || next >= bound) break;
+            last_row = next;
+        }
+        sections_[part].push({end.coupling, first, last, row, last_row});
     }
 }
 
@@ -322,7 +335,7 @@ inline void Couplings::clear_contacts() {
     entries_.shorten(line_entries_);
     dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
-    sections_.shorten(line_sections_);
+    for (int part = 0; part < kMostParts; ++part) sections_[part].shorten(line_sections_[part]);
     matrix_.shorten(line_count_);
     active_.shorten(line_count_);
 }
@@ -388,33 +401,42 @@ inline bool Couplings::prepare(const bool* closed, const double* compliance) {
     return done;
 }
 
-// Visit the couplings of a part that have entries in solved rows: work(coupling, each), where each(f)
-// calls f for these entries.
-template <class F>
-void Couplings::visit(const RowSet& set, int part, F work) const {
-    const Entry* entries = entries_.begin();
-    for (const Section& section : sections_) {
+// List the sections of a part that have solved rows.
+inline void Couplings::find_visited(const RowSet& set, int part) {
+    visited_[part].shorten(0);
+    for (const Section& section : sections_[part]) {
         const int here = set.count_solved(part, section.row, section.last_row);
-        if (here == 0) continue;
-        const bool all = here == section.last_row - section.row + 1;
-        work(section.coupling, [&](auto f) {
-            for (int n = section.first; n < section.last; ++n) {
-                const int row = all ? 0 : row_of(entries[n]);
-                if (all || (set.solved[row] && set.is_in(part, row))) f(entries[n]);
-            }
-        });
+        const bool is_whole = here == section.last_row - section.row + 1;
+        if (here > 0) visited_[part].push({section.coupling, section.first, section.last, is_whole});
     }
+}
+
+// Call f(entry) for the entries of a visited section in solved rows.
+template <class F>
+void Couplings::visit(const Visited& section, const RowSet& set, F f) const {
+    for (int n = section.first; n < section.last; ++n)
+        if (section.is_whole || set.solved[row_of(entries_[n])]) f(entries_[n]);
 }
 
 inline void Couplings::project(Chain& chain, const RowSet& set, int part) {
     const float* y = chain.eliminated();
     float* sums = projected_[part].data();
     std::memset(sums, 0, couplings_.size() * sizeof(float));
-    visit(set, part, [&](int k, auto each) {
-        float sum = 0.0f;
-        each([&](const Entry& entry) { sum += entry.z * y[entry.at]; });
-        sums[k] += sum;
-    });
+    find_visited(set, part);
+    for (const Visited& section : visited_[part]) {
+        float even = 0.0f, odd = 0.0f;  // two sums, as additions wait for each other
+        if (section.is_whole) {
+            int n = section.first;
+            for (; n + 1 < section.last; n += 2) {
+                even += entries_[n].z * y[entries_[n].at];
+                odd += entries_[n + 1].z * y[entries_[n + 1].at];
+            }
+            if (n < section.last) even += entries_[n].z * y[entries_[n].at];
+        } else {
+            visit(section, set, [&](const Entry& entry) { even += entry.z * y[entry.at]; });
+        }
+        sums[section.coupling] += even + odd;
+    }
 }
 
 inline bool Couplings::solve(const bool* closed, const double* compliance) {
@@ -431,10 +453,11 @@ inline bool Couplings::solve(const bool* closed, const double* compliance) {
 
 inline void Couplings::apply(Chain& chain, const RowSet& set, int part) const {
     float* y = chain.eliminated();
-    visit(set, part, [&](int k, auto each) {
-        const float factor = static_cast<float>(small_[k]);
-        if (factor != 0.0f) each([&](const Entry& entry) { y[entry.at] -= factor * entry.w; });
-    });
+    for (const Visited& section : visited_[part]) {
+        const float factor = static_cast<float>(small_[section.coupling]);
+        if (factor == 0.0f) continue;
+        visit(section, set, [&](const Entry& entry) { y[entry.at] -= factor * entry.w; });
+    }
 }
 
 }  // namespace tautwire::TAUTWIRE_ISA

@@ -11,6 +11,8 @@ namespace tautwire::TAUTWIRE_ISA {
 
 class ExactSolver {
 public:
+    static constexpr bool kIsSingle = false;
+
     ExactSolver(const Line& line, const Attachments& attached, const Buffer<int>& rank)
         : line_(line), attached_(attached), rank_(rank), x_(6 * static_cast<std::size_t>(rank.size())) {}
 
@@ -30,7 +32,7 @@ public:
     void set_rotation(int, const Row&) {}
     TAUTWIRE_INLINE void eliminate(int row, bool starts, const Row& r);
     void end_run(const RowSet&, int, const Run&) {}
-    bool is_local(const RowSet&) const { return true; }
+    bool is_local() const { return true; }
     void finish_elimination(const RowSet&, int) {}
     void project(const RowSet&, int) {}
     bool solve_couplings(const bool* closed, const double* compliance);

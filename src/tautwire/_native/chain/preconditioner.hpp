@@ -20,6 +20,8 @@ TAUTWIRE_INLINE void rotate(const T* w, T scale, T* x) {
 
 class Preconditioner {
 public:
+    static constexpr bool kIsSingle = true;  // works in single precision
+
     Preconditioner(const Line& line, const Attachments& attached, const Buffer<int>& rank)
         : line_(line), attached_(attached), rank_(rank), chain_(line.layout),
           couplings_(line, attached), tangent_(line.layout.rows), rotation_(line.layout.rows) {}
@@ -82,7 +84,7 @@ public:
     }
     void end_run(const RowSet& set, int part, const Run& run) { chain_.end_run(set, part, run); }
     // To be called for all parts when all of them are eliminated; side by side if that is local.
-    bool is_local(const RowSet& set) const { return chain_.is_local(set); }
+    bool is_local() const { return chain_.is_local(); }
     void finish_elimination(const RowSet& set, int part) {
         chain_.finish_elimination(set, part);
     }

@@ -73,13 +73,9 @@ public:
         const auto* from_a = reinterpret_cast<const double*>(view.a.data());
         const int* at = &at_[k * kLanes];
         for (int i = 0; i < 3; ++i) {
-            Doubles a;
-            for (int lane = 0; lane < kLanes; ++lane) {
-                const int place = at[lane] + i * kLanes;
-                q[i][lane] = from_q[place];
-                v[i][lane] = from_v[place];
-                a[lane] = from_a[place];
-            }
+            q[i] = gather(from_q + i * kLanes, at);
+            v[i] = gather(from_v + i * kLanes, at);
+            const Doubles a = gather(from_a + i * kLanes, at);
             q[i] += view.q_of_v * v[i] + view.q_of_a * a;
             v[i] += view.v_of_a * a;
         }

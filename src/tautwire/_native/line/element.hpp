@@ -67,73 +67,117 @@ TAUTWIRE_INLINE V dot(const V (&a)[3], const V (&b)[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// The type of a lane: constants must have it, as double precision is not mixed with single.
+template <class V>
+using Number = std::decay_t<decltype(std::declval<V&>()[0])>;
+
+// Coefficients of P - 1, and H where t = 0; those of H and Q follow from them.
+template <class V>
+struct Strain {
+    V E[5], H;
+};
+
+template <class V>
+TAUTWIRE_INLINE Strain<V> strain_of(const Parabola<V>& e) {
+    const V H = dot(e.c[1], e.c[1]);
+    return {{dot(e.c[0], e.c[0]) - 1.0, 2.0 * dot(e.c[0], e.c[1]), H + 2.0 * dot(e.c[0], e.c[2]),
+             2.0 * dot(e.c[1], e.c[2]), dot(e.c[2], e.c[2])},
+            H};
+}
+
+// The forces on the coefficients are combinations of the coefficients themselves: with a symmetric
+// matrix of averages over the element of A t^0 to A t^4, and of the like for B and C.
+template <class V>
+struct Moments {
+    V m00, m01, m02, m11, m12, m22;
+};
+
+// Of the axial part, EA/2 (P - 1), and of C where P = 1: they follow from the averages of powers of t,
+// exactly as the rule has them.
+template <class V>
+TAUTWIRE_INLINE Moments<V> leading_moments(const Strain<V>& e, const Stiffness<V>& stiffness) {
+    const V half = stiffness.half_axial;
+    const V n0 = half * e.E[0], n1 = half * e.E[1], n2 = half * e.E[2], n3 = half * e.E[3], n4 = half * e.E[4];
+    const V square = (1.0 / 3.0) * n0 + (1.0 / 5.0) * n2 + (1.0 / 7.0) * n4;
+    return {n0 + (1.0 / 3.0) * n2 + (1.0 / 5.0) * n4,
+            (1.0 / 3.0) * n1 + (1.0 / 5.0) * n3,
+            square,
+            square + stiffness.bending,
+            (1.0 / 5.0) * n1 + (1.0 / 7.0) * n3,
+            (1.0 / 5.0) * n0 + (1.0 / 7.0) * n2 + (1.0 / 9.0) * n4 + (4.0 / 3.0) * stiffness.bending};
+}
+
+// A and B of the bending part at a point, and by how much C differs from that where P = 1.
 template <class V>
 struct Gradient {
     V A, B, C;
 };
 
-// Bending part of A, B and C at a point; H2 is 2 H, inverse 1/P.
+// At a point where P - 1 is `excess`; H2 is 2 H, inverse 1/P.
 template <class V>
-TAUTWIRE_INLINE Gradient<V> bending_gradient(V inverse, V H2, V Q, V bending) {
+TAUTWIRE_INLINE Gradient<V> bending_gradient(V excess, V inverse, V H2, V Q, V bending) {
+    using T = Number<V>;
     const V R = Q * inverse, C = bending * (inverse * inverse);
-    return {-(C * inverse) * (H2 - 3.0 * (Q * R)), -R * C, C};
+    return {-(C * inverse) * (H2 - T(3.0) * (Q * R)), -R * C, -C * (excess * (excess + T(2.0)))};
 }
 
-// Forces of the elastic energy per length on the coefficients of the parabola.
-//
-// They are combinations of the coefficients themselves, with factors M: averages over the element of
-// A t^0 to A t^4, and of the like for B and C. P, H and Q are polynomials. Of the axial part, EA/2 (P - 1),
-// the averages follow from those of powers of t, exactly as the rule has them; the bending part is
-// summed over the points. Points at t and -t share even and odd parts of everything.
+// Of the rest of the bending part: summed over the points. Points at t and -t share even and odd parts
+// of everything.
 template <class V>
-TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, const Stiffness<V>& stiffness) {
-    const V P0 = dot(e.c[0], e.c[0]), P1 = 2.0 * dot(e.c[0], e.c[1]);
-    const V H0 = dot(e.c[1], e.c[1]), P2 = H0 + 2.0 * dot(e.c[0], e.c[2]);
-    const V P3 = 2.0 * dot(e.c[1], e.c[2]), P4 = dot(e.c[2], e.c[2]);
-
-    const V half = stiffness.half_axial;
-    const V n0 = half * P0 - half, n1 = half * P1, n2 = half * P2, n3 = half * P3, n4 = half * P4;
-    V M00 = n0 + (1.0 / 3.0) * n2 + (1.0 / 5.0) * n4;
-    V M01 = (1.0 / 3.0) * n1 + (1.0 / 5.0) * n3;
-    V M02 = (1.0 / 3.0) * n0 + (1.0 / 5.0) * n2 + (1.0 / 7.0) * n4;
-    V M12 = (1.0 / 5.0) * n1 + (1.0 / 7.0) * n3;
-    V M22 = (1.0 / 5.0) * n0 + (1.0 / 7.0) * n2 + (1.0 / 9.0) * n4;
-
-    const Gradient<V> middle =
-        bending_gradient(1.0 / P0, H0 + H0, 0.5 * P1, kWeight[0] * stiffness.bending);
-    M00 += middle.A;
-    M01 += middle.B;
-    V C0 = middle.C;
+TAUTWIRE_INLINE Moments<V> bending_moments(const Strain<V>& e, V stiffness) {
+    using T = Number<V>;
+    const V E1 = e.E[1], E2 = e.E[2], E3 = e.E[3], E4 = e.E[4], none = broadcast<V>(0.0);
+    const Gradient<V> middle = bending_gradient(
+        e.E[0], T(1.0) / (e.E[0] + T(1.0)), e.H + e.H, T(0.5) * E1, T(kWeight[0]) * stiffness);
+    Moments<V> m = {middle.A, middle.B, none, middle.C, none, none};
     TAUTWIRE_UNROLL
     for (int pair = 1; pair < 3; ++pair) {
-        const double t = kPoint[pair], t2 = t * t;
-        const V P_even = P0 + t2 * (P2 + t2 * P4), P_odd = t * (P1 + t2 * P3);
-        const V H2_even = 2.0 * H0 + (8.0 * t2) * P4, H2_odd = (4.0 * t) * P3;
-        const V Q_even = 0.5 * P1 + (1.5 * t2) * P3, Q_odd = t * (P2 + (2.0 * t2) * P4);
-        const V P_right = P_even + P_odd, P_left = P_even - P_odd;
-        const V both = 1.0 / (P_right * P_left), bending = kWeight[pair] * stiffness.bending;
+        const T t = T(kPoint[pair]), t2 = t * t;
+        const V E_even = e.E[0] + t2 * (E2 + t2 * E4), E_odd = t * (E1 + t2 * E3);
+        const V H2_even = T(2.0) * e.H + (T(8.0) * t2) * E4, H2_odd = (T(4.0) * t) * E3;
+        const V Q_even = T(0.5) * E1 + (T(1.5) * t2) * E3, Q_odd = t * (E2 + (T(2.0) * t2) * E4);
+        const V E_right = E_even + E_odd, E_left = E_even - E_odd;
+        const V P_right = E_right + T(1.0), P_left = E_left + T(1.0);
+        const V both = T(1.0) / (P_right * P_left), bending = T(kWeight[pair]) * stiffness;
         const Gradient<V> right =
-            bending_gradient(both * P_left, H2_even + H2_odd, Q_even + Q_odd, bending);
+            bending_gradient(E_right, both * P_left, H2_even + H2_odd, Q_even + Q_odd, bending);
         const Gradient<V> left =
-            bending_gradient(both * P_right, H2_even - H2_odd, Q_even - Q_odd, bending);
+            bending_gradient(E_left, both * P_right, H2_even - H2_odd, Q_even - Q_odd, bending);
         const Gradient<V> even = {right.A + left.A, right.B + left.B, right.C + left.C};
         const Gradient<V> odd = {right.A - left.A, right.B - left.B, right.C - left.C};
-        M00 += even.A;
-        M01 += t * odd.A + even.B;
-        M02 += t2 * even.A + (2.0 * t) * odd.B;
-        M12 += (t2 * t) * odd.A + (3.0 * t2) * even.B + (2.0 * t) * odd.C;
-        M22 += (t2 * t2) * even.A + (4.0 * t2 * t) * odd.B + (4.0 * t2) * even.C;
-        C0 += even.C;
+        m.m00 += even.A;
+        m.m01 += t * odd.A + even.B;
+        const V square = t2 * even.A + (T(2.0) * t) * odd.B;
+        m.m02 += square;
+        m.m11 += square + even.C;
+        m.m12 += (t2 * t) * odd.A + (T(3.0) * t2) * even.B + (T(2.0) * t) * odd.C;
+        m.m22 += (t2 * t2) * even.A + (T(4.0) * t2 * t) * odd.B + (T(4.0) * t2) * even.C;
     }
-    const V M11 = M02 + C0;
+    return m;
+}
+
+template <class V>
+TAUTWIRE_INLINE Moments<V> operator+(const Moments<V>& a, const Moments<V>& b) {
+    return {a.m00 + b.m00, a.m01 + b.m01, a.m02 + b.m02, a.m11 + b.m11, a.m12 + b.m12, a.m22 + b.m22};
+}
+
+template <class V>
+TAUTWIRE_INLINE Parabola<V> operator*(const Moments<V>& m, const Parabola<V>& e) {
     Parabola<V> f;
     TAUTWIRE_UNROLL
     for (int i = 0; i < 3; ++i) {
-        f.c[0][i] = M00 * e.c[0][i] + M01 * e.c[1][i] + M02 * e.c[2][i];
-        f.c[1][i] = M01 * e.c[0][i] + M11 * e.c[1][i] + M12 * e.c[2][i];
-        f.c[2][i] = M02 * e.c[0][i] + M12 * e.c[1][i] + M22 * e.c[2][i];
+        f.c[0][i] = m.m00 * e.c[0][i] + m.m01 * e.c[1][i] + m.m02 * e.c[2][i];
+        f.c[1][i] = m.m01 * e.c[0][i] + m.m11 * e.c[1][i] + m.m12 * e.c[2][i];
+        f.c[2][i] = m.m02 * e.c[0][i] + m.m12 * e.c[1][i] + m.m22 * e.c[2][i];
     }
     return f;
+}
+
+// Forces of the elastic energy per length on the coefficients of the parabola.
+template <class V>
+TAUTWIRE_INLINE Parabola<V> elastic_force(const Parabola<V>& e, const Stiffness<V>& stiffness) {
+    const Strain<V> strain = strain_of(e);
+    return (leading_moments(strain, stiffness) + bending_moments(strain, stiffness.bending)) * e;
 }
 
 // Symmetric 9x9 matrix on the coefficients of the parabola, packed by rows of the upper triangle.

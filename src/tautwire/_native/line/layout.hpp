@@ -6,7 +6,9 @@
 // ends, an element without stiffness and mass follows.
 //
 // Rows are divided into parts, which threads can work on side by side. The division depends on the
-// line and on what an iteration works on, so that results do not depend on the threads.
+// line alone, so that results do not depend on the threads, and what a thread has worked on stays in its
+// cache: parts with equal work of what an iteration works on made two threads no faster and one 5 %
+// slower.
 #pragma once
 
 #include "engine.hpp"
@@ -35,6 +37,11 @@ struct Layout {
 
     // The first row of a part of all rows; of the one behind the last, the number of rows.
     int bound(int part) const { return part * rows / parts; }
+    int part_of(int row) const {
+        int part = 0;
+        while (row >= bound(part + 1)) ++part;
+        return part;
+    }
 
     Slot slot(int node) const {
         const int piece = node / rows;
@@ -78,6 +85,7 @@ struct RowSet {
           solved_before_(layout.rows + 1) {
         std::memset(formed.data(), 1, formed.size());
         std::memset(solved.data(), 1, solved.size());
+        for (int part = 0; part <= layout.parts; ++part) bounds[part] = layout.bound(part);
         divide(layout);
     }
 
@@ -85,7 +93,6 @@ struct RowSet {
     int bounds[kMostParts + 1];            // first rows of the parts, and the row behind the last
     List<Run> runs[kMostParts];            // [part]
 
-    bool is_in(int part, int row) const { return bounds[part] <= row && row < bounds[part + 1]; }
     // How many rows of a part are formed (solved for), from one on up to another.
     int count_formed(int part, int first, int last) const {
         return count(formed_before_, part, first, last);
@@ -95,24 +102,23 @@ struct RowSet {
     }
     int formed_rows() const { return formed_before_[formed.size()]; }
     int solved_rows() const { return solved_before_[solved.size()]; }
-    // Divide the rows into parts with about as much work each, and set their runs.
+    // Whether there are rows in several parts.
+    bool is_shared() const { return is_shared_; }
+    // Divide the rows into runs.
     void divide(const Layout& layout) {
         for (int row = 0; row < layout.rows; ++row) {
             formed_before_[row + 1] = formed_before_[row] + formed[row];
             solved_before_[row + 1] = solved_before_[row] + solved[row];
         }
-        bounds[0] = 0;
-        for (int part = 1; part <= layout.parts; ++part) {
-            int& row = bounds[part] = bounds[part - 1];
-            while (row < layout.rows && work_before(row) * layout.parts < part * work_before(layout.rows)) ++row;
+        int busy = 0;
+        for (int part = 0; part < layout.parts; ++part) {
+            set_runs(part);
+            busy += runs[part].size() > 0;
         }
-        bounds[layout.parts] = layout.rows;
-        for (int part = 0; part < layout.parts; ++part) set_runs(part);
+        is_shared_ = busy > 1;
     }
 
 private:
-    // A row that is only solved for costs a quarter of one that is formed.
-    int work_before(int row) const { return solved_before_[row] + 3 * formed_before_[row]; }
     int count(const Buffer<int>& before, int part, int first, int last) const {
         first = first > bounds[part] ? first : bounds[part];
         last = last < bounds[part + 1] ? last + 1 : bounds[part + 1];
@@ -128,6 +134,7 @@ private:
     }
 
     Buffer<int> formed_before_, solved_before_;  // [row], and behind the last
+    bool is_shared_ = false;
 };
 
 // One value of a node in an array of rows.

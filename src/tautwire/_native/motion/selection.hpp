@@ -2,9 +2,9 @@
 //
 // An iteration leaves a share of the increments around a node that belongs to the state of the wires
 // there, and that state changes little from step to step. The share is learned node by node from what
-// earlier iterations left. Where it says that the next increment would be smaller than the bound,
-// there is no next iteration; around the contacts there is one until the increments themselves are.
-// Every kVerify-th step iterates everywhere, which shows what was overlooked.
+// earlier iterations left. Where it says that the next increment would be much smaller than the bound,
+// there is no next iteration; around the contacts there always is a second one, and further ones reach
+// further. Every kVerify-th step iterates everywhere, which shows what was overlooked.
 #pragma once
 
 #include "line/layout.hpp"
@@ -30,9 +30,10 @@ public:
     // Whether the step is one of those that iterate everywhere.
     bool verifies() const { return since_whole_ >= kVerify; }
 
-    // Choose the rows where an increment may exceed a bound: the next one, from the increments
-    // `sizes` of the last iteration as `look` saw them, and in the touched rows the last one, or any
-    // with `always`. False when there are none. `look` is to be called before, for all parts.
+    // Choose the rows where the next increment may exceed a part of a bound, from the increments
+    // `sizes` of the last iteration as `look` saw them; more rows around the touched ones, where it may
+    // exceed the bound, or in any case with `always`. False when there are none. `look` is to be called
+    // before, for all parts.
     void look(const Buffer<Floats>& sizes, float bound, int part);
     bool choose(float bound, const List<int>& touched, bool always);
     // Whether so many rows are chosen that an iteration everywhere costs no more.
@@ -74,10 +75,12 @@ private:
     // contact force feels every increment: 6 there double the error, 4 make it five times as
     // large. Corrections are solved for in some more, into which they fade: 3 and 12 are as good.
     static constexpr int kPad = 4, kTouchPad = 10, kExtend = 6;
-    // The share counts this many times: 2 lets the error where contacts are lost grow from 0.003 to
-    // 0.034 N. It is forgotten by kDecay a step where less is seen and grows by kGrowth where nothing
-    // is, and is never taken to be less than kLeast, about where single precision ends.
-    static constexpr float kSafety = 4.0f, kDecay = 0.8f, kGrowth = 1.03f, kLeast = 1e-3f;
+    // The share counts this many times: 2 lets the error where contacts are lost grow from 0.007 to
+    // 0.021 N. It is forgotten by kDecay a step where less is seen (0.5: 0.021 N) and grows by kGrowth
+    // where nothing is, as every kVerify-th step shows it everywhere: 1.03 leaves the same error and
+    // takes 1.06 times the time. It is never taken to be less than kLeast, about where single precision
+    // ends.
+    static constexpr float kSafety = 4.0f, kDecay = 0.9f, kGrowth = 1.003f, kLeast = 1e-3f;
     // Part of the bound that an expected increment may reach. With 0.5 an undamped line of six spans
     // with slackening droppers gains 0.1 % (eight lanes) to 1.5 % (two) of its energy in 20 s, with
     // 0.25 2e-6, and a step takes 1.12 of the time.
@@ -131,7 +134,7 @@ inline bool Selection::choose(float bound, const List<int>& touched, bool always
     grows_ = false;
     for (int part = 0; part < layout_.parts; ++part) any |= seen_[part].any;
     for (const int row : touched) {
-        if (!always && largest_lane(around_[row]) <= bound) continue;
+        if (!always && largest_lane(around_[row] * share_[row]) <= bound) continue;
         reach_[row] = kTouchPad;
         any = true;
     }

@@ -114,6 +114,15 @@ public:
 
 private:
     void set_damping(int row);
+    // Do work(part) for all parts; side by side if the set has rows in several.
+    template <class F>
+    void share(const RowSet& set, const F& work) {
+        if (set.is_shared()) {
+            team->share(line.layout.parts, work);
+        } else {
+            for (int part = 0; part < line.layout.parts; ++part) work(part);
+        }
+    }
     template <bool kFirst, bool kStore>
     TAUTWIRE_INLINE void move(int row, Motion& out);
     TAUTWIRE_INLINE void clear_held(int row, Row& r) const {
@@ -121,6 +130,7 @@ private:
         for (int half = 0; half < 2; ++half)
             for (int i = 0; i < 6; ++i) r[half][i] *= free[half][i];
     }
+    template <bool kSingle>
     TAUTWIRE_INLINE void wires(int row, const Motion& left, const Motion& right, Ends (&out)[2]) const;
     static void wrap(const Motion& first, const Motion& last, Motion& out);
     static void shift(Row& carry) {
@@ -131,7 +141,7 @@ private:
             carry[1][i] = x[1];
         }
     }
-    template <bool kFirst>
+    template <bool kFirst, bool kSingle>
     void enter(int row, Motion& here, Row& carry);
     template <bool kFirst>
     TAUTWIRE_INLINE void advance(int row, int bound, const Motion& here, Motion& next, Motion& behind);
@@ -196,30 +206,29 @@ TAUTWIRE_INLINE void Sweeps::move(int row, Motion& out) {
 }
 
 // Forces of the elements behind a row: minus elastic, damping and inertia forces.
+template <bool kSingle>
 TAUTWIRE_INLINE void Sweeps::wires(
     int row, const Motion& left, const Motion& right, Ends (&out)[2]) const {
+    const Element* element = &line.element[2 * row];
+    const Parabola<Doubles> e[2] = {parabola(left.q[0], right.q[0], element[0].inverse_length),
+                                    parabola(left.q[1], right.q[1], element[1].inverse_length)};
+    Parabola<Doubles> f[2];
+    elastic_forces<kSingle>(element, e, f);
+    for (int half = 0; half < 2; ++half)
+        out[half] = wire_forces(element[half], f[half], left.s[half], right.s[half]);
+    if (line.damping_stiffness == 0.0) return;
     Floats damping[9];
-    Doubles drag[2][9];
     damping_forces(damping_[row], left, right, damping);
     TAUTWIRE_UNROLL
-    for (int i = 0; i < 9; ++i) {
-        drag[0][i] = widen(damping[i], 0);
-        drag[1][i] = widen(damping[i], 1);
-    }
-    for (int half = 0; half < 2; ++half) {
-        const Element& element = line.element[2 * row + half];
-        const Parabola<Doubles> f = elastic_force(
-            parabola(left.q[half], right.q[half], element.inverse_length), element.stiffness);
-        Ends ends = wire_forces(element, f, left.s[half], right.s[half]);
+    for (int half = 0; half < 2; ++half)
         TAUTWIRE_UNROLL
         for (int i = 0; i < 3; ++i) {
-            ends.left[i] += drag[half][i];
-            ends.right[i] -= drag[half][i];
-            ends.left[3 + i] -= drag[half][3 + i];
-            ends.right[3 + i] -= drag[half][6 + i];
+            const Doubles drag = widen(damping[i], half);
+            out[half].left[i] += drag;
+            out[half].right[i] -= drag;
+            out[half].left[3 + i] -= widen(damping[3 + i], half);
+            out[half].right[3 + i] -= widen(damping[6 + i], half);
         }
-        out[half] = ends;
-    }
 }
 
 // The row behind the last one: the first of the next piece; behind the last piece, which has no next
@@ -247,14 +256,14 @@ inline void Sweeps::wrap(const Motion& first, const Motion& last, Motion& out) {
 
 // Begin to form residuals at a row: its motion, and what the elements before it do to it. Those of
 // the last row act on the next piece.
-template <bool kFirst>
+template <bool kFirst, bool kSingle>
 void Sweeps::enter(int row, Motion& here, Row& carry) {
     Motion before, behind;
     Ends ends[2];
     move<kFirst, false>(line.layout.before(row), before);
     move<kFirst, true>(row, here);
     if (row == 0) wrap(here, before, behind);
-    wires(line.layout.before(row), before, row == 0 ? behind : here, ends);
+    wires<kSingle>(line.layout.before(row), before, row == 0 ? behind : here, ends);
     for (int k = 0; k < 12; ++k) carry[k / 6][k % 6] = ends[k / 6].right[k % 6];
     if (row == 0) shift(carry);
 }
@@ -286,12 +295,12 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
                 entered = false;
                 continue;
             }
-            if (!entered) enter<kFirst>(row, nodes[side], carry);
+            if (!entered) enter<kFirst, P::kIsSingle>(row, nodes[side], carry);
             entered = true;
             const Motion& here = nodes[side];
             Motion& next = nodes[1 - side];
             advance<kFirst>(row, bound, here, next, behind);
-            wires(row, here, row + 1 < rows ? next : behind, ends);
+            wires<P::kIsSingle>(row, here, row + 1 < rows ? next : behind, ends);
             Row r;
             TAUTWIRE_UNROLL
             for (int half = 0; half < 2; ++half)
@@ -313,8 +322,7 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
 template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
     const MotionView view = kFirst ? predicted() : at_end();
-    const int parts = line.layout.parts;
-    team->share(parts, [&](int part) {
+    share(set, [&](int part) {
         attached.push(view, known, set, part);
         eliminate<kFirst>(preconditioner, set, part);
         attached.release(known, set, part);
@@ -324,14 +332,14 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
 template <class P>
 bool Sweeps::correct(P& preconditioner, const RowSet& set, const bool* closed, const double* compliance) {
     const int parts = line.layout.parts;
-    const bool is_local = preconditioner.is_local(set);
+    const bool is_local = preconditioner.is_local();
     for (int part = 0; !is_local && part < parts; ++part) preconditioner.finish_elimination(set, part);
-    team->share(parts, [&](int part) {
+    share(set, [&](int part) {
         if (is_local) preconditioner.finish_elimination(set, part);
         preconditioner.project(set, part);
     });
     if (!preconditioner.solve_couplings(closed, compliance)) return false;
-    team->share(parts, [&](int part) { preconditioner.apply_couplings(set, part); });
+    share(set, [&](int part) { preconditioner.apply_couplings(set, part); });
     return true;
 }
 
@@ -389,7 +397,7 @@ template <bool kFirst, class P>
 double Sweeps::substitute(P& preconditioner, const RowSet& set) {
     const int parts = line.layout.parts;
     Size size[kMostParts];
-    team->share(parts, [&](int part) { substitute<kFirst>(preconditioner, set, part, size[part]); });
+    share(set, [&](int part) { substitute<kFirst>(preconditioner, set, part, size[part]); });
     for (int part = 1; part < parts; ++part) {
         size[0].largest = maximum(size[0].largest, size[part].largest);
         size[0].total += size[part].total;
