@@ -32,6 +32,34 @@ private:
     std::uint64_t state_ = 1;
 };
 
+// Conversions and gathers, which have instructions of their own, do what loops over lanes do.
+void test_lanes() {
+    Random random;
+    Doubles halves[2];
+    double values[4 * kLanes];
+    int at[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+        halves[0][lane] = random();
+        halves[1][lane] = random();
+        at[lane] = (7 * lane + 3) % (4 * kLanes);
+    }
+    for (double& number : values) number = random();
+    const Floats joined = join(halves[0], halves[1]);
+    const Doubles found = gather(values, at);
+    bool is_joined = true, is_widened = true, is_gathered = true;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        is_gathered &= found[lane] == values[at[lane]];
+        for (int half = 0; half < 2; ++half) {
+            const float rounded = static_cast<float>(halves[half][lane]);
+            is_joined &= joined[half * kLanes + lane] == rounded;
+            is_widened &= widen(joined, half)[lane] == static_cast<double>(rounded);
+        }
+    }
+    expect(is_joined, "two halves are joined in their order");
+    expect(is_widened, "a half is widened exactly");
+    expect(is_gathered, "values are gathered from their places");
+}
+
 // Call work(part) for every part, from the first to the last or the other way round: what threads do
 // side by side may be done in any order.
 template <class F>
@@ -241,9 +269,9 @@ struct Problem {
         const Layout& layout = line.layout;
         Buffer<Row> still(layout.rows), force(layout.rows);
         const RowSet whole(layout);
-        share(layout, backwards, [&](int part) {
-            attached.push({line.position, still, still, 0.0, 0.0, 0.0}, force, whole, part);
-        });
+        const MotionView view = {line.position, still, still, 0.0, 0.0, 0.0};
+        share(layout, backwards, [&](int part) { attached.evaluate(view, whole, part); });
+        share(layout, backwards, [&](int part) { attached.push(force, whole, part); });
         share(layout, backwards, [&](int part) { attached.release(force, whole, part); });
         for (int n = 0; n < 2; ++n)
             expect(attached.acting_ties()[n] == (attached.ties[n].number == 0), "one tie is taut, one slack");
@@ -401,6 +429,25 @@ Doubles energy(const Doubles (&left)[6], const Doubles (&right)[6], const Elemen
     return sum * element.length;
 }
 
+// With the nonlinear part of bending in single precision forces change by no more than some roundings of
+// the bending stiffness times the curvature; with strains of up to a half it is as large as the linear one.
+void test_precision(const Element& element, const Doubles (&left)[6], const Doubles (&right)[6]) {
+    const Element elements[2] = {element, element};
+    const Parabola<Doubles> e = parabola(left, right, element.inverse_length);
+    const Parabola<Doubles> both[2] = {e, e};
+    Parabola<Doubles> exact[2], rounded[2];
+    elastic_forces<false>(elements, both, exact);
+    elastic_forces<true>(elements, both, rounded);
+    double error = 0.0, largest = 0.0;
+    for (int k = 0; k < 18; ++k)
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const int half = k / 9, power = k / 3 % 3, i = k % 3;
+            error = std::fmax(error, std::fabs(exact[half].c[power][i][lane] - rounded[half].c[power][i][lane]));
+            largest = std::fmax(largest, element.stiffness.bending[lane] * std::fabs(both[half].c[1][i][lane]));
+        }
+    expect(error > 0.0 && error <= 5e-6 * largest, "single precision is felt in the last digits alone");
+}
+
 // Elastic forces are minus the gradient of the energy.
 void test_element() {
     constexpr double kAxial = 2e4, kBending = 30.0, kStep = 1e-5;
@@ -435,6 +482,7 @@ void test_element() {
         }
     }
     expect(error <= 1e-7 * largest, "elastic forces are minus the gradient of the energy");
+    test_precision(element, nodes[0], nodes[1]);
     std::printf("%d lanes: largest element force %.10e\n", kLanes, largest);
 }
 
@@ -444,6 +492,7 @@ void test_element() {
 int main() {
     using namespace tautwire::TAUTWIRE_ISA;
     constexpr int kLong = 2 * kLanes;  // 41 rows with any number of lanes; influence reaches 17
+    test_lanes();
     test_layout();
     test_solvers<kLong>(1, true);
     test_solvers<kLong>(2, true);

@@ -66,7 +66,7 @@ AccurateOption = Annotated[
     typer.Option(
         "--accurate",
         help="Extrapolate from half and quarter time steps (settings.integrator=extrapolated): a "
-        "hundredth of the error that the step leaves in the force over time, at four times the "
+        "hundredth of the error that the step leaves in the force over time, at five times the "
         "cost.",
     ),
 ]

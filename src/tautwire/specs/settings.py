@@ -37,7 +37,7 @@ class Integrator(Spec):
         default="newmark",
         description="'newmark' (gamma 1/2, beta 1/4), 'hht' (damps frequencies that the time step "
         "does not resolve) or 'extrapolated' (Newmark with half and quarter steps, of fourth "
-        "order; four times the cost).",
+        "order; five times the cost).",
     )
     alpha: Annotated[float, Quantity("", ge=-1.0 / 3.0, le=0.0, typical="-0.05")] = Field(
         default=0.0, description="Parameter of 'hht', -1/3 to 0; 0 is Newmark."

@@ -109,17 +109,21 @@ private:
     List<int> dofs_;       // of the entries
     List<float> sizes_;  // of the entries of the coupling that is being made
     List<Pair> pairs_;
-    List<Section> sections_[kMostParts];
     int line_count_ = 0, line_ends_ = 0, line_entries_ = 0, line_pairs_ = 0;
-    int line_sections_[kMostParts] = {};
     Buffer<int> by_node_;  // ends of the line, sorted
     int longest_ = 0;      // most nodes between the first and the last of an end
     Skyline matrix_;       // S
     List<unsigned char> active_;
     int factored_ = 0;  // rows of S that are up to date
     Buffer<double> small_;
-    Buffer<float> projected_[kMostParts];  // [part][coupling]
-    List<Visited> visited_[kMostParts];    // [part]: of the last projection
+    // What threads work on side by side, each part on cache lines of its own.
+    struct alignas(64) Part {
+        List<Section> sections;
+        int line_sections = 0;
+        List<Visited> visited;     // by the last projection
+        Buffer<float> projected;  // [coupling]
+    };
+    Part parts_[kMostParts];
 };
 
 inline void Couplings::list(
@@ -173,11 +177,10 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     dofs_.shorten(0);
     pairs_.shorten(0);
     line_count_ = static_cast<int>(couplings_.size());
-    for (List<Section>& sections : sections_) sections.shorten(0);
+    for (Part& part : parts_) part.sections.shorten(0);
     for (int k = 0; k < line_count_; ++k) add_ends(chain, k);
     for (const End& end : ends_) divide(end);
-    for (int part = 0; part < kMostParts; ++part)
-        line_sections_[part] = static_cast<int>(sections_[part].size());
+    for (Part& part : parts_) part.line_sections = static_cast<int>(part.sections.size());
     line_ends_ = static_cast<int>(ends_.size());
     line_entries_ = static_cast<int>(entries_.size());
 
@@ -214,10 +217,13 @@ inline bool Couplings::set(const Chain& chain, const Factors& factors, const Buf
     return done;
 }
 
-// Make room for a number per coupling, before threads use it.
+// Make room for a number per coupling and for all sections, before threads use it.
 inline void Couplings::make_room() {
     small_.grow(couplings_.size());
-    for (Buffer<float>& sums : projected_) sums.grow(couplings_.size());
+    for (Part& part : parts_) {
+        part.projected.grow(couplings_.size());
+        part.visited.reserve(part.sections.size());
+    }
 }
 
 inline void Couplings::add_ends(const Chain& chain, int k) {
@@ -298,7 +304,7 @@ inline void Couplings::divide(const End& end) {
             if (next < last_row || next >= bound) break;
             last_row = next;
         }
-        sections_[part].push({end.coupling, first, last, row, last_row});
+        parts_[part].sections.push({end.coupling, first, last, row, last_row});
     }
 }
 
@@ -335,7 +341,7 @@ inline void Couplings::clear_contacts() {
     entries_.shorten(line_entries_);
     dofs_.shorten(line_entries_);
     pairs_.shorten(line_pairs_);
-    for (int part = 0; part < kMostParts; ++part) sections_[part].shorten(line_sections_[part]);
+    for (Part& part : parts_) part.sections.shorten(part.line_sections);
     matrix_.shorten(line_count_);
     active_.shorten(line_count_);
 }
@@ -403,11 +409,11 @@ inline bool Couplings::prepare(const bool* closed, const double* compliance) {
 
 // List the sections of a part that have solved rows.
 inline void Couplings::find_visited(const RowSet& set, int part) {
-    visited_[part].shorten(0);
-    for (const Section& section : sections_[part]) {
-        const int here = set.count_solved(part, section.row, section.last_row);
+    parts_[part].visited.shorten(0);
+    for (const Section& section : parts_[part].sections) {
+        const int here = set.count_solved(section.row, section.last_row);
         const bool is_whole = here == section.last_row - section.row + 1;
-        if (here > 0) visited_[part].push({section.coupling, section.first, section.last, is_whole});
+        if (here > 0) parts_[part].visited.push({section.coupling, section.first, section.last, is_whole});
     }
 }
 
@@ -420,10 +426,10 @@ void Couplings::visit(const Visited& section, const RowSet& set, F f) const {
 
 inline void Couplings::project(Chain& chain, const RowSet& set, int part) {
     const float* y = chain.eliminated();
-    float* sums = projected_[part].data();
+    float* sums = parts_[part].projected.data();
     std::memset(sums, 0, couplings_.size() * sizeof(float));
     find_visited(set, part);
-    for (const Visited& section : visited_[part]) {
+    for (const Visited& section : parts_[part].visited) {
         float even = 0.0f, odd = 0.0f;  // two sums, as additions wait for each other
         if (section.is_whole) {
             int n = section.first;
@@ -444,7 +450,7 @@ inline bool Couplings::solve(const bool* closed, const double* compliance) {
     if (!prepare(closed, compliance)) return false;
     for (int k = 0; k < matrix_.size(); ++k) {
         float sum = 0.0f;
-        for (int part = 0; part < line_.layout.parts; ++part) sum += projected_[part][k];
+        for (int part = 0; part < line_.layout.parts; ++part) sum += parts_[part].projected[k];
         small_[k] = active_[k] ? sum : 0.0f;
     }
     matrix_.solve(small_.data());
@@ -453,7 +459,7 @@ inline bool Couplings::solve(const bool* closed, const double* compliance) {
 
 inline void Couplings::apply(Chain& chain, const RowSet& set, int part) const {
     float* y = chain.eliminated();
-    for (const Visited& section : visited_[part]) {
+    for (const Visited& section : parts_[part].visited) {
         const float factor = static_cast<float>(small_[section.coupling]);
         if (factor == 0.0f) continue;
         visit(section, set, [&](const Entry& entry) { y[entry.at] -= factor * entry.w; });

@@ -11,7 +11,7 @@ namespace tautwire::TAUTWIRE_ISA {
 
 class ExactSolver {
 public:
-    static constexpr bool kIsSingle = false;
+    static constexpr bool kSingleBending = false;  // see Preconditioner
 
     ExactSolver(const Line& line, const Attachments& attached, const Buffer<int>& rank)
         : line_(line), attached_(attached), rank_(rank), x_(6 * static_cast<std::size_t>(rank.size())) {}

@@ -20,7 +20,8 @@ TAUTWIRE_INLINE void rotate(const T* w, T scale, T* x) {
 
 class Preconditioner {
 public:
-    static constexpr bool kIsSingle = true;  // works in single precision
+    // Whether the residual's bending forces may be formed in single precision; see elastic_forces.
+    static constexpr bool kSingleBending = true;
 
     Preconditioner(const Line& line, const Attachments& attached, const Buffer<int>& rank)
         : line_(line), attached_(attached), rank_(rank), chain_(line.layout),

@@ -54,10 +54,9 @@ public:
     int filled(int k) const { return count_ - k * kLanes < kLanes ? count_ - k * kLanes : kLanes; }
     const int* at(int k) const { return &at_[k * kLanes]; }
     int row(int k, int lane) const { return at(k)[lane] / (12 * kLanes); }
-    // Whether there are formed rows of a part among those from the first to the last of the nodes of
-    // a register.
-    bool meets(const RowSet& set, int part, int k) const {
-        return set.count_formed(part, span_[k].first, span_[k].last) > 0;
+    // Whether there are formed rows among those from the first to the last of the nodes of a register.
+    bool meets(const RowSet& set, int k) const {
+        return set.count_formed(span_[k].first, span_[k].last) > 0;
     }
     // The first register of a part: those that begin in its rows are its own.
     int first(const Layout& layout, int part) const {
@@ -144,15 +143,17 @@ class Attachments {
 public:
     Attachments(const LineData& data, const Line& line);
 
-    // Add the forces of everything that has an end in the formed rows of a part to those on their
-    // nodes; release takes them away again, exactly.
-    void push(const MotionView& view, Buffer<Row>& force, const RowSet& set, int part);
+    // Evaluate the forces of a part, of everything that has an end in formed rows.
+    void evaluate(const MotionView& view, const RowSet& set, int part);
+    // When all parts are evaluated, add their forces to those on the nodes in the formed rows of a part;
+    // release takes them away again, exactly.
+    void push(Buffer<Row>& force, const RowSet& set, int part);
     void release(Buffer<Row>& force, const RowSet& set, int part);
 
     // Axial forces of the ties of a part.
     void tie_forces(const MotionView& view, double* out, int part) const;
 
-    // Which ties and stays carried force at the last push (1 or 0); the linear ones always.
+    // Which ties and stays carried force when last evaluated (1 or 0); the linear ones always.
     const Buffer<unsigned char>& acting_ties() const { return ties_.acting; }
     const Buffer<unsigned char>& acting_stays() const { return stays_.acting; }
 
@@ -189,15 +190,13 @@ private:
 
     static constexpr int kKinds = 4;  // ties, clamps, stays, grounds
 
-    // Whether a register has an end in the formed rows of a part.
-    bool meets(const RowSet& set, int part, int kind, int k) const {
+    // Whether a register has an end in formed rows.
+    bool meets(const RowSet& set, int kind, int k) const {
         const NodeList* ends[kKinds][2] = {
             {&lower_, &upper_}, {&host_, &other_}, {&stayed_, nullptr}, {&grounded_, nullptr}};
-        return ends[kind][0]->meets(set, part, k) ||
-               (ends[kind][1] && ends[kind][1]->meets(set, part, k));
+        return ends[kind][0]->meets(set, k) || (ends[kind][1] && ends[kind][1]->meets(set, k));
     }
-    TAUTWIRE_INLINE void evaluate(
-        const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]);
+    TAUTWIRE_INLINE void evaluate(const MotionView& view, int kind, int k, Doubles (&out)[3]);
     void list_effects();
     const Layout& layout_;
     double weight_;
@@ -206,8 +205,8 @@ private:
     // [register][component]
     Buffer<Doubles> clamp_stiffness_, clamp_offset_, stay_end_, ground_stiffness_, ground_damping_,
         ground_free_;
-    int registers_[kKinds] = {};     // how many
-    int first_tie_[kMostParts + 1];  // first register of ties of a part, and the one behind the last
+    int begin_[kKinds];                   // registers of the kinds before
+    int first_[kKinds][kMostParts + 1];  // first register of a part, and the one behind the last
     // What a force does to a node: which one, as a number of found_, with which sign; where in an
     // array of rows its first component acts, as a number, and what stood there.
     struct Effect {
@@ -216,8 +215,7 @@ private:
     };
     Buffer<Effect> effects_;  // row by row
     Buffer<int> first_effect_;  // [row], and behind the last
-    // [part][register][component], kind after kind: a part finds what it needs.
-    Buffer<Doubles> found_[kMostParts];
+    Buffer<Doubles> found_;  // [register][component], kind after kind: the forces that were evaluated
 };
 
 inline Buffer<Attachments::Tie> Attachments::ties_of(const LineData& data, const Line& line) {
@@ -318,14 +316,13 @@ inline void Attachments::list_effects() {
     const Side sides[] = {{lower_, ties.size(), 0, 1.0},    {upper_, ties.size(), 0, -1.0},
                           {host_, clamps.size(), 1, 1.0},   {other_, clamps.size(), 1, -1.0},
                           {stayed_, stays.size(), 2, -1.0}, {grounded_, grounds.size(), 3, -1.0}};
-    int begin[kKinds], count = 0;
+    int count = 0;
     const NodeList* kinds[kKinds] = {&lower_, &host_, &stayed_, &grounded_};
-    for (int kind = 0; kind < kKinds; count += registers_[kind++]) {
-        begin[kind] = count;
-        registers_[kind] = kinds[kind]->registers();
+    for (int kind = 0; kind < kKinds; count += kinds[kind++]->registers()) {
+        begin_[kind] = count;
+        for (int part = 0; part <= layout_.parts; ++part) first_[kind][part] = kinds[kind]->first(layout_, part);
     }
-    for (Buffer<Doubles>& found : found_) found = Buffer<Doubles>(3 * static_cast<std::size_t>(count));
-    for (int part = 0; part <= layout_.parts; ++part) first_tie_[part] = lower_.first(layout_, part);
+    found_ = Buffer<Doubles>(3 * static_cast<std::size_t>(count));
 
     List<Effect> effects;
     Buffer<int> place(layout_.rows + 1);
@@ -333,7 +330,7 @@ inline void Attachments::list_effects() {
         for (std::size_t n = 0; n < side.count; ++n) {
             const int k = static_cast<int>(n) / kLanes, lane = static_cast<int>(n) % kLanes;
             const int row = side.nodes.row(k, lane);
-            effects.push({3 * (begin[side.kind] + k) * kLanes + lane, side.nodes.at(k)[lane], row,
+            effects.push({3 * (begin_[side.kind] + k) * kLanes + lane, side.nodes.at(k)[lane], row,
                           side.sign, {}});
             ++place[row + 1];
         }
@@ -365,10 +362,9 @@ inline void Attachments::pack() {
     }
 }
 
-// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one); which
-// bars act is noted if that is asked for.
+// Forces of a register on its first node (or, of a bar, on the lower or from the fixed one).
 TAUTWIRE_INLINE void Attachments::evaluate(
-    const MotionView& view, int kind, int k, bool notes, Doubles (&out)[3]) {
+    const MotionView& view, int kind, int k, Doubles (&out)[3]) {
     Doubles q[3], v[3];
     if (kind < 2) {
         Doubles rate[3];
@@ -385,13 +381,13 @@ TAUTWIRE_INLINE void Attachments::evaluate(
             return;
         }
         const Doubles tension = ties_.tension(k, out, rate);
-        if (notes) ties_.note(k, tension);
+        ties_.note(k, tension);
         for (Doubles& component : out) component *= tension;
     } else if (kind == 2) {
         stayed_.move(view, k, out, v);
         for (int i = 0; i < 3; ++i) out[i] -= stay_end_[3 * k + i];
         const Doubles tension = stays_.tension(k, out, v);
-        if (notes) stays_.note(k, tension);
+        stays_.note(k, tension);
         for (Doubles& component : out) component *= tension;
     } else {
         grounded_.move(view, k, q, v);
@@ -405,20 +401,19 @@ TAUTWIRE_INLINE void Attachments::evaluate(
     }
 }
 
-inline void Attachments::push(
-    const MotionView& view, Buffer<Row>& force, const RowSet& set, int part) {
-    Doubles* next = found_[part].data();
+inline void Attachments::evaluate(const MotionView& view, const RowSet& set, int part) {
     for (int kind = 0; kind < kKinds; ++kind)
-        for (int k = 0; k < registers_[kind]; ++k, next += 3) {
-            if (!meets(set, part, kind, k)) continue;
-            bool notes = true;  // one part does
-            for (int before = 0; before < part; ++before) notes &= !meets(set, before, kind, k);
+        for (int k = first_[kind][part]; k < first_[kind][part + 1]; ++k) {
+            if (!meets(set, kind, k)) continue;
             Doubles f[3];
-            evaluate(view, kind, k, notes, f);
-            for (int i = 0; i < 3; ++i) next[i] = f[i];
+            evaluate(view, kind, k, f);
+            for (int i = 0; i < 3; ++i) found_[3 * (begin_[kind] + k) + i] = f[i];
         }
+}
+
+inline void Attachments::push(Buffer<Row>& force, const RowSet& set, int part) {
     auto* out = reinterpret_cast<double*>(force.data());
-    const auto* found = reinterpret_cast<const double*>(found_[part].data());
+    const auto* found = reinterpret_cast<const double*>(found_.data());
     const int last = first_effect_[set.bounds[part + 1]];
     for (int n = first_effect_[set.bounds[part]]; n < last; ++n) {
         Effect& effect = effects_[n];
@@ -442,7 +437,7 @@ inline void Attachments::release(Buffer<Row>& force, const RowSet& set, int part
 }
 
 inline void Attachments::tie_forces(const MotionView& view, double* out, int part) const {
-    for (int k = first_tie_[part]; k < first_tie_[part + 1]; ++k) {
+    for (int k = first_[0][part]; k < first_[0][part + 1]; ++k) {
         Doubles t[3], rate[3], q[3], v[3];
         upper_.move(view, k, t, rate);
         lower_.move(view, k, q, v);

@@ -71,7 +71,7 @@ TAUTWIRE_INLINE V dot(const V (&a)[3], const V (&b)[3]) {
 template <class V>
 using Number = std::decay_t<decltype(std::declval<V&>()[0])>;
 
-// Coefficients of P - 1, and H where t = 0; those of H and Q follow from them.
+// Coefficients of P - 1, and H where t = 0; those of H and Q follow from them. Made in double precision.
 template <class V>
 struct Strain {
     V E[5], H;
@@ -92,17 +92,17 @@ struct Moments {
     V m00, m01, m02, m11, m12, m22;
 };
 
-// Of the axial part, EA/2 (P - 1), and of C where P = 1: they follow from the averages of powers of t,
-// exactly as the rule has them.
+// Moments of the axial part, EA/2 (P - 1), and of the linear part of bending, C where P = 1: they follow
+// from the averages of powers of t, exactly as the rule has them.
 template <class V>
 TAUTWIRE_INLINE Moments<V> leading_moments(const Strain<V>& e, const Stiffness<V>& stiffness) {
     const V half = stiffness.half_axial;
     const V n0 = half * e.E[0], n1 = half * e.E[1], n2 = half * e.E[2], n3 = half * e.E[3], n4 = half * e.E[4];
-    const V square = (1.0 / 3.0) * n0 + (1.0 / 5.0) * n2 + (1.0 / 7.0) * n4;
+    const V second = (1.0 / 3.0) * n0 + (1.0 / 5.0) * n2 + (1.0 / 7.0) * n4;
     return {n0 + (1.0 / 3.0) * n2 + (1.0 / 5.0) * n4,
             (1.0 / 3.0) * n1 + (1.0 / 5.0) * n3,
-            square,
-            square + stiffness.bending,
+            second,
+            second + stiffness.bending,
             (1.0 / 5.0) * n1 + (1.0 / 7.0) * n3,
             (1.0 / 5.0) * n0 + (1.0 / 7.0) * n2 + (1.0 / 9.0) * n4 + (4.0 / 3.0) * stiffness.bending};
 }
@@ -121,8 +121,8 @@ TAUTWIRE_INLINE Gradient<V> bending_gradient(V excess, V inverse, V H2, V Q, V b
     return {-(C * inverse) * (H2 - T(3.0) * (Q * R)), -R * C, -C * (excess * (excess + T(2.0)))};
 }
 
-// Of the rest of the bending part: summed over the points. Points at t and -t share even and odd parts
-// of everything.
+// Moments of the rest of bending, summed over the points. Points at t and -t share even and odd parts of
+// everything.
 template <class V>
 TAUTWIRE_INLINE Moments<V> bending_moments(const Strain<V>& e, V stiffness) {
     using T = Number<V>;
@@ -147,9 +147,9 @@ TAUTWIRE_INLINE Moments<V> bending_moments(const Strain<V>& e, V stiffness) {
         const Gradient<V> odd = {right.A - left.A, right.B - left.B, right.C - left.C};
         m.m00 += even.A;
         m.m01 += t * odd.A + even.B;
-        const V square = t2 * even.A + (T(2.0) * t) * odd.B;
-        m.m02 += square;
-        m.m11 += square + even.C;
+        const V second = t2 * even.A + (T(2.0) * t) * odd.B;
+        m.m02 += second;
+        m.m11 += second + even.C;
         m.m12 += (t2 * t) * odd.A + (T(3.0) * t2) * even.B + (T(2.0) * t) * odd.C;
         m.m22 += (t2 * t2) * even.A + (T(4.0) * t2 * t) * odd.B + (T(4.0) * t2) * even.C;
     }

@@ -3,8 +3,8 @@
 // An iteration leaves a share of the increments around a node that belongs to the state of the wires
 // there, and that state changes little from step to step. The share is learned node by node from what
 // earlier iterations left. Where it says that the next increment would be much smaller than the bound,
-// there is no next iteration; around the contacts there always is a second one, and further ones reach
-// further. Every kVerify-th step iterates everywhere, which shows what was overlooked.
+// there is no next iteration; around the contacts there always is a second one. At the latest every
+// kVerify-th step iterates everywhere a second time, which shows what was overlooked.
 #pragma once
 
 #include "line/layout.hpp"
@@ -30,10 +30,9 @@ public:
     // Whether the step is one of those that iterate everywhere.
     bool verifies() const { return since_whole_ >= kVerify; }
 
-    // Choose the rows where the next increment may exceed a part of a bound, from the increments
-    // `sizes` of the last iteration as `look` saw them; more rows around the touched ones, where it may
-    // exceed the bound, or in any case with `always`. False when there are none. `look` is to be called
-    // before, for all parts.
+    // Look, for all parts, at the increments `sizes` of the last iteration; then choose the rows: kPad
+    // around each one where the next increment may exceed kPart of a bound, kTouchPad around touched ones
+    // where it may exceed the bound, or in any case with `always`. False when there are none.
     void look(const Buffer<Floats>& sizes, float bound, int part);
     bool choose(float bound, const List<int>& touched, bool always);
     // Whether so many rows are chosen that an iteration everywhere costs no more.
@@ -71,19 +70,17 @@ private:
     // 0.2 s. Steps between iterations everywhere: with 8 the error is the same and there are 13 %
     // more iterations everywhere.
     static constexpr int kVerify = 32;
-    // Rows to either side where residuals are formed: of a row, and of a touched one, where the
-    // contact force feels every increment: 6 there double the error, 4 make it five times as
-    // large. Corrections are solved for in some more, into which they fade: 3 and 12 are as good.
-    static constexpr int kPad = 4, kTouchPad = 10, kExtend = 6;
-    // The share counts this many times: 2 lets the error where contacts are lost grow from 0.007 to
-    // 0.021 N. It is forgotten by kDecay a step where less is seen (0.5: 0.021 N) and grows by kGrowth
-    // where nothing is, as every kVerify-th step shows it everywhere: 1.03 leaves the same error and
-    // takes 1.06 times the time. It is never taken to be less than kLeast, about where single precision
-    // ends.
+    // Rows to either side where residuals are formed: of a row, and of a touched one; 3 lets the error of an
+    // undamped line's energy grow, 10 about the touched ones are as good. Corrections are solved for in some
+    // more, into which they fade: 3 and 6 are as good.
+    static constexpr int kPad = 4, kTouchPad = 6, kExtend = 4;
+    // The share counts this many times. Every iteration that teaches lowers it to kDecay of what it was at
+    // most, every step raises it by kGrowth. Chosen together by the energy of an undamped line (theory,
+    // solution of a step), the error of the force and the cost: a decay of 0.8 takes 0.96 of the time
+    // and doubles the error, 0.95 takes 1.05; a growth of 1.03 leaves the same error and takes 1.06. It is
+    // never taken to be less than kLeast, about where single precision ends.
     static constexpr float kSafety = 4.0f, kDecay = 0.9f, kGrowth = 1.003f, kLeast = 1e-3f;
-    // Part of the bound that an expected increment may reach. With 0.5 an undamped line of six spans
-    // with slackening droppers gains 0.1 % (eight lanes) to 1.5 % (two) of its energy in 20 s, with
-    // 0.25 2e-6, and a step takes 1.12 of the time.
+    // Part of the bound that an expected increment may reach; with 0.5 undamped lines gain energy.
     static constexpr float kPart = 0.25f;
     // Increments below this part of the bound are too close to rounding to teach anything.
     static constexpr float kTold = 0.3f;

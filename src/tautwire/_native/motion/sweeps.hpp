@@ -114,7 +114,8 @@ public:
 
 private:
     void set_damping(int row);
-    // Do work(part) for all parts; side by side if the set has rows in several.
+    // Do work(part) for all parts; side by side if the set has rows in several, else the calling thread
+    // does it, although the rows of the second part may lie in the other's cache.
     template <class F>
     void share(const RowSet& set, const F& work) {
         if (set.is_shared()) {
@@ -295,12 +296,12 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
                 entered = false;
                 continue;
             }
-            if (!entered) enter<kFirst, P::kIsSingle>(row, nodes[side], carry);
+            if (!entered) enter<kFirst, P::kSingleBending>(row, nodes[side], carry);
             entered = true;
             const Motion& here = nodes[side];
             Motion& next = nodes[1 - side];
             advance<kFirst>(row, bound, here, next, behind);
-            wires<P::kIsSingle>(row, here, row + 1 < rows ? next : behind, ends);
+            wires<P::kSingleBending>(row, here, row + 1 < rows ? next : behind, ends);
             Row r;
             TAUTWIRE_UNROLL
             for (int half = 0; half < 2; ++half)
@@ -322,8 +323,10 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
 template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner, const RowSet& set) {
     const MotionView view = kFirst ? predicted() : at_end();
+    share(set, [&](int part) { attached.evaluate(view, set, part); });
     share(set, [&](int part) {
-        attached.push(view, known, set, part);
+        if (set.runs[part].size() == 0) return;
+        attached.push(known, set, part);
         eliminate<kFirst>(preconditioner, set, part);
         attached.release(known, set, part);
     });

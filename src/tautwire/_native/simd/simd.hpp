@@ -227,54 +227,40 @@ TAUTWIRE_INLINE bool any_greater(V a, V b) {
 #endif
 }
 
-// Join: the lanes of the first half, then those of the second, rounded to single precision. Widen: the
-// lanes of one half. GCC 12 makes up to seven instructions of a vector conversion that is one, so
-// these are asked for by name.
-#if defined(TAUTWIRE_AVX512)
+// The lanes of the first half, then those of the second, rounded to single precision.
 TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {
-    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(first)), _mm512_cvtpd_ps(second), 1);
-}
-TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
-    return _mm512_cvtps_pd(half ? _mm512_extractf32x8_ps(x, 1) : _mm512_castps512_ps256(x));
-}
-#elif defined(TAUTWIRE_AVX)
-TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(first)), _mm256_cvtpd_ps(second), 1);
-}
-TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
-    return _mm256_cvtps_pd(half ? _mm256_extractf128_ps(x, 1) : _mm256_castps256_ps128(x));
-}
-#elif defined(TAUTWIRE_SSE)
-TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {
+#if defined(TAUTWIRE_SSE)
     return _mm_movelh_ps(_mm_cvtpd_ps(first), _mm_cvtpd_ps(second));
-}
-TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
-    return _mm_cvtps_pd(half ? _mm_movehl_ps(x, x) : x);
-}
 #else
-TAUTWIRE_INLINE Floats join(Doubles first, Doubles second) {
     using Half = Pack<float, kLanes>;
     return shuffle<2 * kLanes>(
         convert<Half>(first), convert<Half>(second), [](int i) constexpr { return i; });
-}
-TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
-    return convert<Doubles>(
-        half ? shuffle<kLanes>(x, x, [](int i) constexpr { return kLanes + i; })
-             : shuffle<kLanes>(x, x, [](int i) constexpr { return i; }));
-}
 #endif
+}
+
+// The lanes of one half. GCC 12 makes up to seven instructions of this conversion, which is one, so it is
+// asked for by name.
+TAUTWIRE_INLINE Doubles widen(Floats x, int half) {
+#if defined(TAUTWIRE_SSE)
+    return _mm_cvtps_pd(half ? _mm_movehl_ps(x, x) : x);
+#else
+    const auto lanes = half ? shuffle<kLanes>(x, x, [](int i) constexpr { return kLanes + i; })
+                            : shuffle<kLanes>(x, x, [](int i) constexpr { return i; });
+#if defined(TAUTWIRE_AVX512)
+    return _mm512_maskz_cvtps_pd(0xff, lanes);  // the plain form warns in GCC's header
+#elif defined(TAUTWIRE_AVX)
+    return _mm256_cvtps_pd(lanes);
+#else
+    return convert<Doubles>(lanes);
+#endif
+#endif
+}
 
 // Values at places in an array, one for each lane.
 TAUTWIRE_INLINE Doubles gather(const double* from, const int* at) {
-#if defined(TAUTWIRE_AVX512)
-    return _mm512_i32gather_pd(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at)), from, 8);
-#elif defined(TAUTWIRE_AVX) && defined(__AVX2__)
-    return _mm256_i32gather_pd(from, _mm_loadu_si128(reinterpret_cast<const __m128i*>(at)), 8);
-#else
-    Doubles out;
+    Doubles out = {};
     for (int lane = 0; lane < kLanes; ++lane) out[lane] = from[at[lane]];
     return out;
-#endif
 }
 
 // Move every value to the next (previous) piece; zero enters at the end. A vector of floats holds
@@ -361,6 +347,7 @@ public:
         data_[size_++] = entry;
     }
     void shorten(std::size_t size) { size_ = size; }
+    void reserve(std::size_t size) { data_.grow(size); }
     std::size_t size() const { return size_; }
     T& operator[](std::size_t i) { return data_[i]; }
     const T& operator[](std::size_t i) const { return data_[i]; }

@@ -202,12 +202,14 @@ class NativeStepper:
             return histories | {"path_force": np.empty((steps, 0, self._paths))}
         shape = (steps, count, self._paths)
         force, gap, height = (histories[name].reshape(shape) for name in _OF_PAIRS)
-        nearest = np.argmin(np.where(np.isnan(gap), np.inf, gap), axis=2)[..., None]
+        absent = np.isnan(gap)
+        nearest = np.where(absent, np.inf, gap).argmin(axis=2)
+        at = np.arange(steps)[:, None], np.arange(count), nearest
         return histories | {
             "contact_force": force.sum(axis=2),
-            "path_force": np.where(np.isnan(gap), np.nan, force),
-            "gap": np.take_along_axis(gap, nearest, axis=2)[..., 0],
-            "wire_height": np.take_along_axis(height, nearest, axis=2)[..., 0],
+            "path_force": np.where(absent, np.nan, force),
+            "gap": gap[at],
+            "wire_height": height[at],
         }
 
     def _count(self) -> None:
