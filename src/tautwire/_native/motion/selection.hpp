@@ -131,7 +131,7 @@ inline bool Selection::choose(float bound, const List<int>& touched, bool always
     grows_ = false;
     for (int part = 0; part < layout_.parts; ++part) any |= seen_[part].any;
     for (const int row : touched) {
-        if (!always && largest_lane(around_[row] * share_[row]) <= bound) continue;
+        if (!always && largest_lane(around_[row]) <= bound) continue;
         reach_[row] = kTouchPad;
         any = true;
     }
