@@ -3,8 +3,9 @@
 // An iteration leaves a share of the increments around a node that belongs to the state of the wires
 // there, and that state changes little from step to step. The share is learned node by node from what
 // earlier iterations left. Where it says that the next increment would be much smaller than the bound,
-// there is no next iteration; around the contacts there always is a second one. At the latest every
-// kVerify-th step iterates everywhere a second time, which shows what was overlooked.
+// there is no next iteration; around the contacts, whose force feels every increment, there is one until
+// the increments themselves are below the bound. At the latest every kVerify-th step iterates everywhere a
+// second time, which shows what was overlooked.
 #pragma once
 
 #include "line/layout.hpp"
@@ -32,7 +33,7 @@ public:
 
     // Look, for all parts, at the increments `sizes` of the last iteration; then choose the rows: kPad
     // around each one where the next increment may exceed kPart of a bound, kTouchPad around touched ones
-    // where it may exceed the bound, or in any case with `always`. False when there are none.
+    // where the last one exceeds the bound, or in any case with `always`. False when there are none.
     void look(const Buffer<Floats>& sizes, float bound, int part);
     bool choose(float bound, const List<int>& touched, bool always);
     // Whether so many rows are chosen that an iteration everywhere costs no more.
