@@ -205,7 +205,7 @@ void solve_by(P& matrix, const Layout& layout, const Buffer<double>& b, double k
         for (const Run& run : whole.runs[part]) {
             for (int row = run.first; row <= run.last(); ++row)
                 matrix.eliminate(row, row == run.first, rows[row]);
-            matrix.end_run(whole, part, run);
+            matrix.end_run(part, run);
         }
     });
     const bool is_local = matrix.is_local();
@@ -361,7 +361,7 @@ void test_selection(int parts, bool backwards) {
 // Whether runs are the solved rows of their parts, all of them.
 bool is_divided(const RowSet& rows, const Layout& layout) {
     int solved = 0, at = 0, busy = 0;
-    bool is = rows.bounds[0] == 0 && rows.bounds[layout.parts] == layout.rows;
+    bool is = true;
     for (int part = 0; part < layout.parts; ++part) {
         busy += rows.runs[part].size() > 0;
         for (const Run& run : rows.runs[part]) {

@@ -32,8 +32,8 @@ public:
         if (!starts) subtract_lower(row, y - 6, rhs);
         for (int i = 0; i < 6; ++i) y[i] = rhs[i];
     }
-    void end_run(const RowSet& set, int part, const Run& run) {
-        if (run.last() + 1 != set.bounds[part + 1]) return;
+    void end_run(int part, const Run& run) {
+        if (run.last() + 1 != layout_.bound(part + 1)) return;
         for (int i = 0; i < 6; ++i) ends_[part][i] = y_[run.last() * 6 + i];
     }
     // Whether what a part leaves is felt in the next part only, so that parts can be finished side
@@ -46,7 +46,7 @@ public:
     }
     // Bring in what the last rows of the part before contribute.
     void finish_elimination(const RowSet& set, int part) {
-        int row = set.bounds[part];
+        int row = layout_.bound(part);
         if (!set.solved[layout_.before(row)]) return;
         Floats carry[6];
         for (int i = 0; i < 6; ++i) carry[i] = ends_[part > 0 ? part - 1 : layout_.parts - 1][i];

@@ -31,7 +31,7 @@ public:
     void pass(int, bool) {}
     void set_rotation(int, const Row&) {}
     TAUTWIRE_INLINE void eliminate(int row, bool starts, const Row& r);
-    void end_run(const RowSet&, int, const Run&) {}
+    void end_run(int, const Run&) {}
     bool is_local() const { return true; }
     void finish_elimination(const RowSet&, int) {}
     void project(const RowSet&, int) {}

@@ -83,7 +83,7 @@ public:
         for (Floats& value : x) value = broadcast<Floats>(0.0);
         chain_.eliminate(row, starts, x);
     }
-    void end_run(const RowSet& set, int part, const Run& run) { chain_.end_run(set, part, run); }
+    void end_run(int part, const Run& run) { chain_.end_run(part, run); }
     // To be called for all parts when all of them are eliminated; side by side if that is local.
     bool is_local() const { return chain_.is_local(); }
     void finish_elimination(const RowSet& set, int part) {

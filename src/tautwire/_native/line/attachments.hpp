@@ -414,8 +414,8 @@ inline void Attachments::evaluate(const MotionView& view, const RowSet& set, int
 inline void Attachments::push(Buffer<Row>& force, const RowSet& set, int part) {
     auto* out = reinterpret_cast<double*>(force.data());
     const auto* found = reinterpret_cast<const double*>(found_.data());
-    const int last = first_effect_[set.bounds[part + 1]];
-    for (int n = first_effect_[set.bounds[part]]; n < last; ++n) {
+    const int last = first_effect_[layout_.bound(part + 1)];
+    for (int n = first_effect_[layout_.bound(part)]; n < last; ++n) {
         Effect& effect = effects_[n];
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) {
@@ -428,8 +428,8 @@ inline void Attachments::push(Buffer<Row>& force, const RowSet& set, int part) {
 
 inline void Attachments::release(Buffer<Row>& force, const RowSet& set, int part) {
     auto* out = reinterpret_cast<double*>(force.data());
-    const int first = first_effect_[set.bounds[part]];
-    for (int n = first_effect_[set.bounds[part + 1]]; n-- > first;) {
+    const int first = first_effect_[layout_.bound(part)];
+    for (int n = first_effect_[layout_.bound(part + 1)]; n-- > first;) {
         const Effect& effect = effects_[n];
         if (!set.formed[effect.row]) continue;
         for (int i = 0; i < 3; ++i) out[effect.at + i * kLanes] = effect.before[i];

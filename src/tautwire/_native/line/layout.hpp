@@ -85,12 +85,10 @@ struct RowSet {
           solved_before_(layout.rows + 1) {
         std::memset(formed.data(), 1, formed.size());
         std::memset(solved.data(), 1, solved.size());
-        for (int part = 0; part <= layout.parts; ++part) bounds[part] = layout.bound(part);
         divide(layout);
     }
 
     Buffer<unsigned char> formed, solved;  // [row]
-    int bounds[kMostParts + 1];            // those of the layout
     List<Run> runs[kMostParts];            // [part]
 
     // How many rows are formed (solved for), from one on up to another.
@@ -108,18 +106,19 @@ struct RowSet {
         }
         int busy = 0;
         for (int part = 0; part < layout.parts; ++part) {
-            set_runs(part);
+            set_runs(layout, part);
             busy += runs[part].size() > 0;
         }
         is_shared_ = busy > 1;
     }
 
 private:
-    void set_runs(int part) {
+    void set_runs(const Layout& layout, int part) {
         runs[part].shorten(0);
-        for (int row = bounds[part], length = 0; row < bounds[part + 1]; ++row) {
+        const int bound = layout.bound(part + 1);
+        for (int row = layout.bound(part), length = 0; row < bound; ++row) {
             length = solved[row] ? length + 1 : 0;
-            if (length > 0 && (row + 1 == bounds[part + 1] || !solved[row + 1]))
+            if (length > 0 && (row + 1 == bound || !solved[row + 1]))
                 runs[part].push({row + 1 - length, length});
         }
     }

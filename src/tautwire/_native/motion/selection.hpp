@@ -85,8 +85,7 @@ private:
     static constexpr float kPart = 0.25f;
     // Increments below this part of the bound are too close to rounding to teach anything.
     static constexpr float kTold = 0.3f;
-    // Part of the rows from which on an iteration everywhere costs no more. 0.6 costs the same and
-    // lets the line of kPart gain 0.1 % with two lanes.
+    // Part of the rows from which on an iteration everywhere costs no more; 0.6 costs the same.
     static constexpr double kLarge = 0.9;
 
     void forget() {

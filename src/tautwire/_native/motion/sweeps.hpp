@@ -284,7 +284,7 @@ TAUTWIRE_INLINE void Sweeps::advance(
 
 template <bool kFirst, class P>
 void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
-    const int rows = line.layout.rows, bound = set.bounds[part + 1];
+    const int rows = line.layout.rows, bound = line.layout.bound(part + 1);
     Motion nodes[2], behind;
     Ends ends[2];
     Row carry;
@@ -316,7 +316,7 @@ void Sweeps::eliminate(P& preconditioner, const RowSet& set, int part) {
             preconditioner.eliminate(row, row == run.first, r);
             side = 1 - side;
         }
-        preconditioner.end_run(set, part, run);
+        preconditioner.end_run(part, run);
     }
 }
 
@@ -374,7 +374,7 @@ inline void Sweeps::inertia(Buffer<Row>& out) const {
 template <bool kFirst, class P>
 void Sweeps::substitute(P& preconditioner, const RowSet& set, int part, Size& size) {
     Floats largest = broadcast<Floats>(0.0), total = largest;
-    for (int row = set.bounds[part]; row < set.bounds[part + 1]; ++row)
+    for (int row = line.layout.bound(part); row < line.layout.bound(part + 1); ++row)
         if (!set.solved[row]) sizes[row] = total;
     for (const Run& run : set.runs[part]) {
         typename P::Local local;
