@@ -71,9 +71,9 @@ private:
     // 0.2 s. Steps between iterations everywhere: with 8 the error is the same and there are 13 %
     // more iterations everywhere.
     static constexpr int kVerify = 32;
-    // Rows to either side where residuals are formed: of a row, and of a touched one; 3 lets the error of an
-    // undamped line's energy grow, 10 about the touched ones are as good. Corrections are solved for in some
-    // more, into which they fade: 3 and 6 are as good.
+    // Rows to either side where residuals are formed: of a row (3 lets the error of an undamped line's energy
+    // grow), and of a touched one (10 take a fifth off the error of the force and form 7 % more rows).
+    // Corrections are solved for in some more, into which they fade: 3 and 6 are as good.
     static constexpr int kPad = 4, kTouchPad = 6, kExtend = 4;
     // The share counts this many times. Every iteration that teaches lowers it to kDecay of what it was at
     // most, every step raises it by kGrowth. Chosen together by the energy of an undamped line (theory,
